@@ -1,0 +1,107 @@
+"""rightside: turn an executable model of fail-safe equipment into evidence.
+
+The names that model and proof files need; they are imported when first used, so that starting a command costs nothing.
+"""
+
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
+_HOME = {
+    "safety.terms": "Bit Int Real UInt U1 U2 U3 U4 U5 U6 U7 U8 U9 U10 U12 U14 U16 U20 U24 U32 "
+    "all_of any_of at_least bit count implies real select word",
+    "safety.model": "Model assume parameter point power_up",
+    "safety.system": "ANY ModelError",
+    "safety.trace": "run",
+    "safety.faults": "ANY_TIME FROM_START INTERMITTENT TRANSIENT Fault any_of_faults at_most byzantine delayed every extra flip frozen "
+    "missing open_circuit stuck welded",
+    "safety.prove.claims": "BOUNDED PROVED REFUTED UNDECIDED VACUOUS BITS INTEGERS Scenario Seen age claim once persists previous total",
+    "safety.prove.refinement": "refines",
+    "safety.prove.hazards": "hazard",
+}
+_MODULE = {name: module for module, names in _HOME.items() for name in names.split()}
+__all__ = sorted(_MODULE)
+
+if TYPE_CHECKING:
+    from safety.faults import (
+        ANY_TIME,
+        FROM_START,
+        INTERMITTENT,
+        TRANSIENT,
+        Fault,
+        any_of_faults,
+        at_most,
+        byzantine,
+        delayed,
+        every,
+        extra,
+        flip,
+        frozen,
+        missing,
+        open_circuit,
+        stuck,
+        welded,
+    )
+    from safety.model import Model, assume, parameter, point, power_up
+    from safety.prove.claims import (
+        BITS,
+        BOUNDED,
+        INTEGERS,
+        PROVED,
+        REFUTED,
+        UNDECIDED,
+        VACUOUS,
+        Scenario,
+        Seen,
+        age,
+        claim,
+        once,
+        persists,
+        previous,
+        total,
+    )
+    from safety.prove.hazards import hazard
+    from safety.prove.refinement import refines
+    from safety.system import ANY, ModelError
+    from safety.terms import (
+        U1,
+        U2,
+        U3,
+        U4,
+        U5,
+        U6,
+        U7,
+        U8,
+        U9,
+        U10,
+        U12,
+        U14,
+        U16,
+        U20,
+        U24,
+        U32,
+        Bit,
+        Int,
+        Real,
+        UInt,
+        all_of,
+        any_of,
+        at_least,
+        bit,
+        count,
+        implies,
+        real,
+        select,
+        word,
+    )
+    from safety.trace import run
+
+
+def __getattr__(name: str) -> Any:
+    """Import a public name when it is first used."""
+    if name not in _MODULE:
+        raise AttributeError(f"module 'safety' has no attribute {name!r}")
+    value = getattr(importlib.import_module(_MODULE[name]), name)
+    globals()[name] = value
+    return value

@@ -1,0 +1,282 @@
+"""Claims: a property of a model, the faults it must withstand, and the verdict that is expected of it.
+
+    @claim(Ts7, faults=at_most(1, "channel"), requirement="TS7-7", source="[P] 1.6", expect=PROVED)
+    def brakes_on_overspeed(s: Seen) -> Bit:
+        \"\"\"With one channel broken in any way, overspeed for 288 steps gives the brake.\"\"\"
+        return implies(persists(s.excess >= 8, ticks=288), s.brake)
+
+A claim that must fail says so (`expect=REFUTED`); one that does not fail then is a failure of the suite.
+"""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable, Mapping, Sequence
+from contextvars import ContextVar
+from dataclasses import dataclass, field
+from typing import Any, TypeVar, cast
+
+from safety.faults import Budget, Faulted
+from safety.model import Model
+from safety.system import ModelError, State, System, nearest
+from safety.terms import Bit, Term, UInt, select
+from safety.terms.graph import BIT, uint, variable
+from safety.terms.values import any_of, build, const
+
+PROVED, BOUNDED, VACUOUS, REFUTED, UNDECIDED = "proved", "bounded", "vacuous", "refuted", "undecided"
+VERDICTS = (PROVED, BOUNDED, VACUOUS, REFUTED, UNDECIDED)
+INTEGERS, BITS = "integers", "bits"
+
+Formula = Callable[["Seen"], Bit]
+F = TypeVar("F", bound=Callable[..., Any])
+
+
+@dataclass(frozen=True)
+class Scenario:
+    """A scripted run, as a candidate for a counterexample or as the witness that a premise can happen.
+
+    `inputs` and `values` (free values of faulty points, by point) are constants or functions of the step; what is not
+    named is 0 or false.  `present` names the faults that are in the equipment, `at` the step of their onset.
+    """
+
+    steps: int
+    inputs: Mapping[str, Any] = field(default_factory=dict)
+    start: Mapping[str, Any] = field(default_factory=dict)
+    present: Sequence[str] = ()
+    values: Mapping[str, Any] = field(default_factory=dict)
+    at: int = 0
+
+
+@dataclass(frozen=True)
+class Claim:
+    """One claim, as declared.  `id` is the proof file's stem and the function's name."""
+
+    id: str
+    model: type[Model]
+    formula: Formula
+    statement: str
+    expect: str
+    requirement: str
+    source: str
+    faults: Budget | None
+    given: Formula | None
+    start: Formula | None
+    lemmas: tuple[Formula, ...]
+    symbolic: tuple[str, ...]
+    settings: Mapping[str, Any]
+    steps: int
+    induction: int
+    arithmetic: str
+    scenario: Scenario | None
+    witness: Scenario | None
+    twin_of: str | None
+    role: str = "claim"
+    refinement: Any = None
+
+
+_registry: dict[str, Claim] = {}
+
+
+def registered() -> list[Claim]:
+    """All claims that imported proof files have declared, in order."""
+    return list(_registry.values())
+
+
+def register(new: Claim) -> None:
+    """Add a claim; raises `ModelError` when the id is taken by another function."""
+    old = _registry.get(new.id)
+    if old is not None and old.formula.__code__.co_filename != new.formula.__code__.co_filename:
+        raise ModelError(f"two claims are called {new.id!r}; rename one")
+    _registry[new.id] = new
+
+
+def claim(
+    model: type[Model],
+    *,
+    expect: str,
+    requirement: str = "",
+    source: str = "",
+    faults: Budget | None = None,
+    given: Formula | None = None,
+    start: Formula | None = None,
+    lemmas: Sequence[Formula] = (),
+    symbolic: Sequence[str] = (),
+    settings: Mapping[str, Any] | None = None,
+    steps: int = 20,
+    induction: int = 1,
+    arithmetic: str = INTEGERS,
+    scenario: Scenario | None = None,
+    witness: Scenario | None = None,
+    twin_of: Callable[..., Any] | None = None,
+) -> Callable[[F], F]:
+    """Declare a claim about a model.
+
+    `given` holds at every step and `start` at power-up (both are shown as assumptions); `lemmas` are invariants of the
+    registers, proved along with the claim and counted; `symbolic` parameters are left open in their range.  `steps`
+    bounds the search for counterexamples, `induction` the depth of induction.  `scenario` is a scripted
+    counterexample, `witness` a run in which the premise happens.
+    Raises `ModelError` for an unknown verdict, or a claim without a statement (docstring).
+    """
+    if expect not in VERDICTS:
+        raise ModelError(f"expect={expect!r}; it is one of {', '.join(VERDICTS)}")
+
+    def declare(formula: F) -> F:
+        statement = " ".join((formula.__doc__ or "").split())
+        if not statement:
+            raise ModelError(f"claim {formula.__name__} says nothing: give it a docstring in plain words")
+        register(
+            Claim(
+                claim_id(formula), model, formula, statement, expect, requirement, source, faults, given, start,
+                tuple(lemmas), tuple(symbolic), dict(settings or {}), steps, induction, arithmetic, scenario, witness,
+                claim_id(twin_of) if twin_of else None, "twin" if twin_of else "claim",
+            )
+        )  # fmt: skip
+        return formula
+
+    return declare
+
+
+def claim_id(formula: Callable[..., Any]) -> str:
+    """`proof file's stem . function`, e.g. `ts7_voting.brakes_on_overspeed`."""
+    return f"{formula.__module__.rsplit('.', 1)[-1]}.{formula.__name__}"
+
+
+# --- what a claim sees ---------------------------------------------------------------------------------------------
+
+
+class Seen:
+    """The signals of a system by name: `s.brake`, `s.a.u`, `s["a.u"]`; registers are read before the step."""
+
+    def __init__(self, system: System, faulted: Faulted | None = None, prefix: str = "") -> None:
+        self._system, self._faulted, self._prefix = system, faulted, prefix
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("__"):
+            raise AttributeError(name)
+        return self[name]
+
+    def __getitem__(self, name: str) -> Any:
+        path = self._prefix + name
+        names = self._system.names()
+        if path in names:
+            return self._system.lookup(path)
+        if any(n.startswith(path + ".") for n in names):
+            return Seen(self._system, self._faulted, path + ".")
+        raise ModelError(f"{self._system.name} has no signal {path!r}; {nearest(path, names)}")
+
+    def faulty(self, part: str = "") -> Bit:
+        """Whether a fault whose points lie in a part is in the equipment (now or later)."""
+        return self._any_fault(part, lambda f: f.present)
+
+    def failing(self, part: str = "") -> Bit:
+        """Whether a fault whose points lie in a part acts at this step."""
+        return self._any_fault(part, lambda f: f.active)
+
+    def fault(self, name: str) -> Bit:
+        """Whether the fault of this name is in the equipment."""
+        faults = self._faulted.faults if self._faulted else ()
+        for fault, present in zip(faults, self._faulted.present if self._faulted else (), strict=True):
+            if fault.name == name:
+                return present
+        raise ModelError(f"no fault is called {name!r} here; {nearest(name, [f.name for f in faults])}")
+
+    def _any_fault(self, part: str, which: Callable[[Faulted], Sequence[Bit]]) -> Bit:
+        if self._faulted is None:
+            return any_of()
+        prefix = f"{self._prefix}{part}."
+        chosen = zip(self._faulted.faults, which(self._faulted), strict=True)
+        return any_of(*(b for f, b in chosen if any(p.startswith(prefix) or not part for p in f.points)))
+
+
+# --- time: registers that watch ------------------------------------------------------------------------------------
+
+_watch: ContextVar[dict[Any, State] | None] = ContextVar("watch", default=None)
+
+
+def watching(registers: dict[Any, State], formula: Formula, seen: Seen) -> Bit:
+    """Evaluate a formula; the registers that its time operators need are added to `registers`."""
+    token = _watch.set(registers)
+    try:
+        result = formula(seen)
+    finally:
+        _watch.reset(token)
+    if not isinstance(result, Bit):
+        raise ModelError(f"{getattr(formula, '__name__', 'a formula')} returns {result!r}; a claim returns a Bit")
+    return result
+
+
+def _register(key: Any, make: Callable[[str], State]) -> Term:
+    registers = _watch.get()
+    if registers is None:
+        raise ModelError("age, persists, once and previous are used inside claims and lemmas only")
+    if key not in registers:
+        registers[key] = make(f"watch.{key[0]}{len(registers)}")
+    return registers[key].var
+
+
+def age(condition: Bit, upto: int) -> UInt:
+    """For how many steps just before this one the condition held without a break, counted up to `upto`."""
+    width = upto.bit_length()
+
+    def make(name: str) -> State:
+        ticks = cast(UInt, variable(name, uint(width)))
+        older = select(ticks < upto, (ticks + 1).low(width), ticks)
+        return State(ticks, select(condition, older, 0), 0)
+
+    return cast(UInt, _register(("age", condition.uid, upto), make))
+
+
+def persists(condition: Bit, ticks: int) -> Bit:
+    """Whether the condition has held at this step and the ones before, `ticks` steps in all."""
+    return condition & (age(condition, ticks) >= ticks - 1)
+
+
+def once(condition: Bit) -> Bit:
+    """Whether the condition held at some step before this one."""
+
+    def make(name: str) -> State:
+        seen = cast(Bit, variable(name, BIT))
+        return State(seen, seen | condition, False)
+
+    return cast(Bit, _register(("once", condition.uid), make))
+
+
+def previous(term: Any, initially: Any) -> Any:
+    """The value of one step before; `initially` at the first."""
+
+    def make(name: str) -> State:
+        return State(variable(name, term.sort), term, initially)
+
+    return _register(("previous", term.uid, initially), make)
+
+
+def total(term: UInt, upto: int) -> UInt:
+    """The sum of a word over all steps before this one, counted up to `upto`."""
+    width = upto.bit_length()
+
+    def make(name: str) -> State:
+        sum_ = cast(UInt, variable(name, uint(width)))
+        more = sum_ + term
+        return State(sum_, select(more > upto, const_like(upto, width), more.low(width)), 0)
+
+    return cast(UInt, _register(("total", term.uid, upto), make))
+
+
+def const_like(value: int, width: int) -> UInt:
+    """A constant word."""
+    return cast(UInt, const(value, uint(width)))
+
+
+def premise_of(holds: Bit) -> Bit:
+    """The premise of an implication (of each, in a conjunction of implications); true for any other formula."""
+    if holds.op == "implies":
+        return cast(Bit, holds.args[0])
+    if holds.op == "and":
+        return cast(Bit, build("and", (premise_of(cast(Bit, holds.args[0])), premise_of(cast(Bit, holds.args[1]))), None, BIT))
+    return cast(Bit, const(True, BIT))
+
+
+@functools.cache
+def label(formula: Formula) -> str:
+    """The name a formula is shown by."""
+    return getattr(formula, "__name__", "formula").replace("_", " ")

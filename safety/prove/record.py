@@ -1,0 +1,126 @@
+"""Outcomes as entries of the results document, and the short texts shown on a terminal."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from typing import Any
+
+from safety.prove.claims import Claim
+from safety.prove.hazards import CutSets, Hazard
+from safety.prove.problem import Problem
+from safety.prove.prove import Outcome
+from safety.system import ANY
+from safety.trace import Trace
+
+SHOWN_BEFORE = 40  # steps of a counterexample that are listed before its last one
+
+
+def claim_entry(outcome: Outcome) -> dict[str, Any]:
+    """A claim's entry under "claims" (keys: the results document)."""
+    claim, problem = outcome.claim, outcome.problem
+    return {
+        "id": claim.id,
+        "model": claim.model.__name__,
+        "requirement": claim.requirement or None,
+        "source": claim.source or None,
+        "statement": claim.statement,
+        "role": claim.role,
+        "twin_of": claim.twin_of,
+        "expect": claim.expect,
+        "verdict": outcome.verdict,
+        "as_expected": outcome.as_expected,
+        "strength": {"kind": outcome.verdict, "steps": outcome.steps},
+        "faults": fault_texts(claim, problem),
+        "method": outcome.method or None,
+        "why": outcome.why or None,
+        "user_lemmas": len(problem.lemmas) if problem and claim.refinement is None else 0,
+        "lemmas": list(problem.lemmas) if problem else [],
+        "agreed_by": outcome.agreed_by,
+        "certificate": None,
+        "candidate": {path: _plain(v) for path, v in outcome.candidate.items()} or None,
+        "seconds": round(outcome.seconds, 3),
+        "questions": outcome.questions,
+        "vacuity": {"premise_reached_at": outcome.premise_at},
+        "counterexample": counterexample(outcome) if outcome.counterexample else None,
+        **surroundings(problem),
+    }
+
+
+def fault_texts(claim: Claim, problem: Problem | None) -> dict[str, Any]:
+    """The fault budget: how many at most, of which."""
+    names = [str(f) for f in problem.faults] if problem else []
+    return {"most": claim.faults.most if claim.faults else 0, "of": names}
+
+
+def surroundings(problem: Problem | None) -> dict[str, Any]:
+    """Clock, power-up, parameters with source tags, assumptions."""
+    if problem is None:
+        return {}
+    system = problem.system
+    registers = [s for s in system.states if not s.path.startswith(("watch.", "fault"))]
+    return {
+        "clock": {"tick_s": str(system.clock.period)} if system.clock.period else {"event": system.clock.event},
+        "power_up": ", ".join(f"{s.path}={_show(s.power_up)}" for s in registers),
+        "parameters": [
+            {"name": p.path, "value": _plain(p.value), "unit": p.unit, "low": _plain(p.low), "high": _plain(p.high), "source": p.source}
+            for p in system.settings.values()
+        ],
+        "tags": sorted({p.tag for p in system.settings.values()}),
+        "assumptions": [
+            *system.assumptions,
+            *(f"given: {problem.claim.given.__doc__ or problem.claim.given.__name__}" for _ in [0] if problem.claim.given),
+            *(f"start: {problem.claim.start.__doc__ or problem.claim.start.__name__}" for _ in [0] if problem.claim.start),
+        ],
+    }  # fmt: skip
+
+
+def counterexample(outcome: Outcome) -> dict[str, Any]:
+    """The replayed run of a refuted claim: the last steps, every signal that changes in them."""
+    trace = outcome.counterexample
+    assert trace is not None and outcome.problem is not None
+    first = max(0, len(trace) - SHOWN_BEFORE)
+    present = [str(f) for i, f in enumerate(outcome.problem.faults) if _present(trace, i)]
+    return {
+        **trace.to_json(interesting(trace, first), first),
+        "violated_at": len(trace) - 1,
+        "replayed": True,
+        "faults": present,
+        "chosen": {p: _plain(v) for p, v in trace.chosen.items()},
+        "replay": f"rightside replay {outcome.claim.id}",
+        "vcd": f"{outcome.claim.id}.vcd",
+    }
+
+
+def interesting(trace: Trace, first: int) -> list[str]:
+    """Signals worth showing: what changes in the shown steps, and the claim itself."""
+    hidden = ("claim.", "watch.")
+    moving = [p for p in trace.columns if not p.startswith(hidden) and len(set(map(str, trace[p][first:]))) > 1]
+    return [*moving, "claim.premise", "claim.holds"]
+
+
+def _present(trace: Trace, index: int) -> bool:
+    column = trace.columns.get(f"fault{index}")
+    return bool(column and column[0])
+
+
+def cut_set_entry(result: CutSets, hazard: Hazard) -> dict[str, Any]:
+    """What the tree's entry says about how its cut sets were found."""
+    return {
+        "id": result.id,
+        "statement": hazard.claim.statement,
+        "requirement": hazard.claim.requirement or None,
+        "complete_to_order": result.complete_to,
+        "complete_at_all_orders": result.all_orders,
+        "why": result.why or None,
+        "confirmed": result.by_order("confirmed"),
+        "candidate": result.by_order("candidate"),
+        "cut_sets": [{"faults": list(s.faults), "status": s.status, "steps": len(s.run) if s.run else None} for s in result.sets],
+    }
+
+
+def _plain(value: Any) -> Any:
+    return str(value) if isinstance(value, Fraction) else value
+
+
+def _show(value: Any) -> str:
+    return "ANY" if value is ANY else str(value)

@@ -1,0 +1,115 @@
+"""Solver queries: a system unrolled over steps, and one yes-or-no question with a time limit.
+
+`Unrolling` binds a system's registers at each step to solver terms; only what a question needs is encoded.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from safety.system import ANY, State, System
+from safety.terms.graph import Term, variables
+from safety.terms.smt import Encoder
+
+SAT, UNSAT, UNKNOWN = "sat", "unsat", "unknown"
+
+
+class Disagreement(RuntimeError):
+    """Two solvers, or two readings, gave different answers to one question: nothing they say can be relied on."""
+
+
+class Unrolling:
+    """Steps of a system as solver terms: `at(k, terms)` are the terms at step k.
+
+    From power-up, or (`anywhere=True`) from an arbitrary register content.
+    """
+
+    def __init__(self, system: System, solver: str, integers: bool, anywhere: bool = False) -> None:
+        self.system, self.anywhere = system, anywhere
+        self.encoder = Encoder(solver, integers)
+        self.k = self.encoder.k
+        self.contexts: list[Encoder] = []
+        self.state: dict[int, State] = {s.var.uid: s for s in system.states}
+
+    def at(self, step: int, terms: Sequence[Term]) -> list[Any]:
+        """The terms as solver terms of a step."""
+        while len(self.contexts) <= step:
+            self.contexts.append(self.encoder.step_context())
+        context = self.contexts[step]
+        for v in variables(terms):
+            if v.uid not in context.known:
+                context.bind(v, self._leaf(v, step))
+        return context(terms)
+
+    def _leaf(self, v: Term, step: int) -> Any:
+        state = self.state.get(v.uid)
+        if state is None:
+            return self.encoder.variable(f"{v.attr}@{step}", v.sort)
+        if state.next is state.var and step:  # never changes: one solver constant for all steps
+            return self.at(0, [v])[0]
+        if step == 0:
+            if self.anywhere or state.power_up is ANY:
+                return self.encoder.variable(f"{v.attr}@0", v.sort)
+            from safety.terms.values import const
+
+            return self.contexts[0]([const(state.power_up, v.sort)])[0]
+        return self.at(step - 1, [state.next])[0]
+
+    def ranges(self) -> list[Any]:
+        """What the sorts of the variables made so far promise."""
+        return list(self.encoder.ranges)
+
+
+@dataclass
+class Solver:
+    """One solver instance behind the few calls that are needed; `timeout` in seconds for each question.
+
+    `finite`: the question has bits and bit-vectors only (z3 then runs its incremental SAT engine).
+    """
+
+    name: str
+    k: Any
+    timeout: float
+    finite: bool = False
+
+    def __post_init__(self) -> None:
+        self.raw = self.k.SolverFor("QF_FD") if self.finite and self.name == "z3" else self.k.Solver()
+        milliseconds = int(self.timeout * 1000)
+        if self.name == "z3":
+            self.raw.set("timeout", milliseconds)
+            self.raw.set("random_seed", 0)
+        else:
+            self.raw.setOption("tlimit-per", milliseconds)
+        self.asserted = 0
+
+    def add(self, *formulas: Any) -> None:
+        """Assert."""
+        self.raw.add(*formulas)
+
+    def add_ranges(self, unrolling: Unrolling) -> None:
+        """Assert the ranges of variables made since the last call."""
+        new = unrolling.encoder.ranges[self.asserted :]
+        if new:
+            self.raw.add(*new)
+        self.asserted = len(unrolling.encoder.ranges)
+
+    def push(self) -> None:
+        """Open a scope."""
+        self.raw.push()
+
+    def pop(self) -> None:
+        """Close the scope."""
+        self.raw.pop()
+
+    def check(self) -> str:
+        """sat, unsat or unknown; an interrupt from the keyboard is raised as such."""
+        answer = str(self.raw.check())
+        if answer == UNKNOWN and self.name == "z3" and "interrupt" in self.raw.reason_unknown():
+            raise KeyboardInterrupt
+        return answer if answer in (SAT, UNSAT) else UNKNOWN
+
+    def model(self) -> Any:
+        """The model of the last sat answer."""
+        return self.raw.model()

@@ -1,0 +1,229 @@
+"""Runs on the Python reading, and what a run leaves: a `Trace` as table, VCD or JSON."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from fractions import Fraction
+from typing import Any
+
+from safety.model import Model, trace
+from safety.system import ANY, ModelError, System, nearest
+from safety.terms.graph import Sort
+from safety.terms.texts import compile_python
+
+Row = Mapping[str, Any]
+Inputs = Iterable[Row] | Mapping[str, Any] | Callable[[int], Row]
+
+
+@dataclass
+class Trace:
+    """Values of every signal at every step: `trace["a.u"]` is a list, one value a step.
+
+    A register's value at step k is the one before the step; points and outputs are those of the step.
+    `chosen` holds the power-up values that ANY left open.
+    """
+
+    system: System
+    steps: int
+    columns: dict[str, list[Any]]
+    chosen: dict[str, Any] = field(default_factory=dict)
+
+    def __getitem__(self, path: str) -> list[Any]:
+        if path not in self.columns:
+            raise ModelError(f"{self.system.name} has no signal {path!r}; {nearest(path, self.columns)}")
+        return self.columns[path]
+
+    def __len__(self) -> int:
+        return self.steps
+
+    def sort(self, path: str) -> Sort:
+        """The sort of a signal."""
+        return self.system.lookup(path).sort
+
+    def row(self, step: int) -> dict[str, Any]:
+        """All values of one step."""
+        return {path: values[step] for path, values in self.columns.items()}
+
+    def changes(self, first: int = 0, last: int | None = None) -> Iterator[tuple[int, dict[str, Any]]]:
+        """Steps with the signals that differ from the step before (all of them at the first)."""
+        previous: dict[str, Any] = {}
+        for k in range(first, self.steps if last is None else last + 1):
+            row = self.row(k)
+            changed = {p: v for p, v in row.items() if p not in previous or previous[p] != v}
+            if changed:
+                yield k, changed
+            previous = row
+
+    def table(self, paths: Sequence[str] | None = None, first: int = 0, last: int | None = None) -> str:
+        """A text table, a line a step at which something changed; an unchanged cell is a dot."""
+        paths = list(paths or self.columns)
+        lines = [["step", *paths]]
+        for k, changed in self.changes(first, last):
+            cells = [show(changed[p]) if p in changed else "." for p in paths]
+            if any(c != "." for c in cells):
+                lines.append([str(k), *cells])
+        widths = [max(len(line[i]) for line in lines) for i in range(len(lines[0]))]
+        return "\n".join("  ".join(c.rjust(w) for c, w in zip(line, widths, strict=True)) for line in lines)
+
+    def vcd(self) -> str:
+        """The run as a value change dump (IEEE 1364), one time unit a step; reals as exact text in a comment-free `real`."""
+        names = {p: _code(i) for i, p in enumerate(self.columns)}
+        period = self.system.clock.period
+        lines = ["$version rightside $end", f"$comment one time unit is one step, {self.system.clock} $end", "$timescale 1 ns $end"]
+        scale = int(period * 1_000_000_000) if period and (period * 1_000_000_000).denominator == 1 else 1
+        for path, code in names.items():
+            sort, label = self.sort(path), path.replace(".", "_")
+            bits = 1 if sort.kind == "bit" else 64 if sort.kind == "real" else max(b.bit_length() for b in sort.bounds) + (sort.kind == "int")
+            lines.append(f"$var {'real' if sort.kind == 'real' else 'wire'} {bits} {code} {label} $end")
+        lines.append("$enddefinitions $end")
+        for k, changed in self.changes():
+            lines.append(f"#{k * scale}")
+            lines += [_vcd_value(self.sort(p), v, names[p]) for p, v in changed.items()]
+        return "\n".join([*lines, f"#{self.steps * scale}", ""])
+
+    def to_json(self, paths: Sequence[str] | None = None, first: int = 0) -> dict[str, Any]:
+        """Signals with kind and values from step `first` on; exact rationals as `p/q`."""
+        return {
+            "steps": self.steps,
+            "first_tick": first,
+            "tick_s": str(self.system.clock.period) if self.system.clock.period else None,
+            "signals": [
+                {"path": p, "kind": "bit" if self.sort(p).kind == "bit" else "number", "unit": "",
+                 "values": [str(v) if isinstance(v, Fraction) else v for v in self[p][first:]]}
+                for p in (paths or self.columns)
+            ],
+        }  # fmt: skip
+
+
+def show(value: Any) -> str:
+    """A value as a short text: bits as 0 and 1."""
+    return str(int(value)) if isinstance(value, bool) else str(value)
+
+
+def _code(i: int) -> str:
+    digits = ""
+    while True:
+        i, r = divmod(i, 94)
+        digits += chr(33 + r)
+        if not i:
+            return digits
+
+
+def _vcd_value(sort: Sort, value: Any, code: str) -> str:
+    if sort.kind == "bit":
+        return f"{int(value)}{code}"
+    if sort.kind == "real":
+        return f"r{float(value):.17g} {code}"
+    if value < 0:
+        value += 1 << (max(b.bit_length() for b in sort.bounds) + 1)
+    return f"b{value:b} {code}"
+
+
+@dataclass
+class Stepper:
+    """A system compiled on the Python reading: one call a step."""
+
+    system: System
+    function: Callable[..., tuple[Any, ...]]
+    observed: list[str]
+
+    @classmethod
+    def of(cls, system: System) -> Stepper:
+        """Compile (or find compiled) a system's step."""
+        inputs = [*(s.var for s in system.states), *system.inputs.values()]
+        observed = [p for p in (*system.points, *system.signals) if p not in system.state and p not in system.inputs]
+        observed = list(dict.fromkeys(observed))
+        outputs = [*(s.next for s in system.states), *(system.lookup(p) for p in observed), *system.assumptions.values()]
+        return cls(system, compile_python(inputs, outputs), observed)
+
+
+def run(
+    model: type[Model] | System,
+    inputs: Inputs = (),
+    steps: int | None = None,
+    *,
+    start: Mapping[str, Any] | None = None,
+    settings: Mapping[str, Any] | None = None,
+    keep: Sequence[str] | None = None,
+) -> Trace:
+    """Run a model on the Python reading.
+
+    `inputs` gives a row a step: a sequence, one row for all steps, or a function of the step number (`steps` then says
+    how many).  `start` sets power-up values that are ANY (0 or false else); `keep` restricts the recorded signals.
+    Raises `ModelError` for an unknown or missing input, a value outside its sort, or a broken assumption.
+    """
+    system = model if isinstance(model, System) else trace(model, settings)
+    stepper = Stepper.of(system)
+    state, chosen = initial_state(system, start or {})
+    rows = _rows(inputs, steps)
+    paths = [*system.state, *system.inputs, *stepper.observed]
+    kept = paths if keep is None else list(keep)
+    for path in kept:
+        if path not in paths:
+            raise ModelError(f"{system.name} has no signal {path!r}; {nearest(path, paths)}")
+    index = [paths.index(p) for p in kept]
+    columns: list[list[Any]] = [[] for _ in kept]
+    n, names, count = len(system.states), list(system.inputs), 0
+    watched = len(stepper.observed)
+    for row in rows:
+        given = _checked(system, row, names, count)
+        result = stepper.function(*state, *given)
+        _check_assumptions(system, result[n + watched :], count)
+        values = (*state, *given, *result[n : n + watched])
+        for column, i in zip(columns, index, strict=True):
+            column.append(values[i])
+        state = result[:n]
+        count += 1
+    return Trace(system, count, dict(zip(kept, columns, strict=True)), chosen)
+
+
+def _rows(inputs: Inputs, steps: int | None) -> Iterator[Row]:
+    if callable(inputs) or isinstance(inputs, Mapping):
+        if steps is None:
+            raise ModelError("say how many steps to run: run(..., steps=n)")
+        return (inputs(k) if callable(inputs) else inputs for k in range(steps))
+    rows = iter(inputs) if inputs else itertools.repeat({})
+    if not inputs and steps is None:
+        raise ModelError("say how many steps to run: run(..., steps=n)")
+    return itertools.islice(rows, steps)
+
+
+def initial_state(system: System, start: Mapping[str, Any]) -> tuple[tuple[Any, ...], dict[str, Any]]:
+    """Power-up values in the order of the registers, and those that ANY left open as they were chosen."""
+    for path in start:
+        if path not in system.state:
+            raise ModelError(f"{system.name} has no register {path!r}; {nearest(path, system.state)}")
+    values, chosen = [], {}
+    for s in system.states:
+        if s.power_up is not ANY:
+            value = s.power_up
+            if start.get(s.path, value) != value:
+                raise ModelError(f"{s.path} is {value!r} at power-up, not {start[s.path]!r}: only registers declared ANY can be set")
+        else:
+            low = {"bit": False, "real": Fraction(0)}.get(s.var.sort.kind, 0 if s.var.sort.kind == "uint" else s.var.sort.low)
+            value = chosen[s.path] = start.get(s.path, low)
+        if not s.var.sort.admits(value):
+            raise ModelError(f"{s.path} is {s.var.sort}: {value!r} is not a value of it")
+        values.append(value)
+    return tuple(values), chosen
+
+
+def _checked(system: System, row: Row, names: list[str], step: int) -> list[Any]:
+    if len(row) != len(names) or any(name not in row for name in names):
+        for name in row:
+            if name not in system.inputs:
+                raise ModelError(f"{system.name} has no input {name!r} (step {step}); {nearest(name, names)}")
+        missing = ", ".join(name for name in names if name not in row)
+        raise ModelError(f"step {step} of {system.name} lacks the input {missing}")
+    for name in names:
+        if not system.inputs[name].sort.admits(row[name]):
+            raise ModelError(f"step {step}: input {name} is {system.inputs[name].sort}: {row[name]!r} is not a value of it")
+    return [row[name] for name in names]
+
+
+def _check_assumptions(system: System, held: Sequence[bool], step: int) -> None:
+    for label, ok in zip(system.assumptions, held, strict=True):
+        if not ok:
+            raise ModelError(f"step {step} of {system.name} breaks the assumption {label!r}: choose inputs that keep it")
