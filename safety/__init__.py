@@ -16,7 +16,7 @@ _HOME = {
     "safety.trace": "run",
     "safety.faults": "ANY_TIME FROM_START INTERMITTENT TRANSIENT Fault any_of_faults at_most byzantine delayed every extra flip frozen "
     "missing open_circuit stuck welded",
-    "safety.prove.claims": "BOUNDED PROVED REFUTED UNDECIDED VACUOUS BITS INTEGERS Scenario Seen age claim once persists previous total",
+    "safety.prove.claims": "BOUNDED PROVED REFUTED UNDECIDED VACUOUS BITS INTEGERS Scenario Seen age claim faulty has new_fault once persists previous struck total",
     "safety.prove.refinement": "refines",
     "safety.prove.hazards": "hazard",
 }
@@ -56,9 +56,13 @@ if TYPE_CHECKING:
         Seen,
         age,
         claim,
+        faulty,
+        has,
+        new_fault,
         once,
         persists,
         previous,
+        struck,
         total,
     )
     from safety.prove.hazards import hazard

@@ -80,7 +80,7 @@ def stuck(value: int, bit: int | None = None) -> Kind:
         if healthy.sort == BIT:
             return const(bool(value), BIT)
         word, mask = cast(UInt, healthy), _mask(healthy.sort, bit)
-        return word | mask if value else word & ~mask & healthy.sort.bounds[1]
+        return word | mask if value else word & (healthy.sort.bounds[1] & ~mask)
 
     place = "" if bit is None else f" bit {bit}"
     return Kind(f"stuck-at-{value}{place}", f"reads {value} whatever the equipment does", effect, ("bit", "uint"))
@@ -259,12 +259,17 @@ def present_name(index: int) -> str:
 
 @dataclass(frozen=True)
 class Faulted:
-    """A system with faults: `present[i]` tells whether fault i is in the equipment, `active[i]` whether it acts now."""
+    """A system with faults.
+
+    `present[i]`: fault i is in the equipment, now or later; `active[i]`: it acts at this step; `acted[i]`: it acted
+    before this step (a register, where its onset is free).
+    """
 
     system: System
     faults: tuple[Fault, ...]
     present: tuple[Bit, ...]
     active: tuple[Bit, ...]
+    acted: tuple[Bit, ...]
 
 
 def instrument(system: System, faults: Sequence[Fault], *, present: bool | None = True) -> Faulted:
@@ -277,17 +282,19 @@ def instrument(system: System, faults: Sequence[Fault], *, present: bool | None 
     inputs: dict[str, Term] = {}
     presents: list[Bit] = []
     actives: list[Bit] = []
+    acted: list[Bit] = []
     at: dict[str, list[tuple[int, Fault]]] = {}
     for i, fault in enumerate(faults):
         there = bit(True)
         if present is None:
             there = cast(Bit, variable(present_name(i), BIT))
             states.append(State(there, there, ANY))
-        active, more, free = _activity(fault, i, there)
+        active, before, more, free = _activity(fault, i, there)
         states += more
         inputs |= free
         presents.append(there)
         actives.append(active)
+        acted.append(before)
         for point in _matching(system, fault.points):
             if system.points[point].sort.kind not in fault.kind.sorts:
                 raise ModelError(f"fault {fault.name!r}: {fault.kind} does not apply to {point}, a {system.points[point].sort}")
@@ -309,28 +316,28 @@ def instrument(system: System, faults: Sequence[Fault], *, present: bool | None 
 
     changed = system.mapped(lambda roots: rewrite(roots, rule))
     whole = replace(changed, states=(*changed.states, *states), inputs={**changed.inputs, **inputs})
-    return Faulted(whole, tuple(faults), tuple(presents), tuple(actives))
+    return Faulted(whole, tuple(faults), tuple(presents), tuple(actives), tuple(acted))
 
 
-def _activity(fault: Fault, index: int, there: Bit) -> tuple[Bit, list[State], dict[str, Term]]:
-    """Whether the fault acts at this step, the registers that decide it, and its free choices."""
+def _activity(fault: Fault, index: int, there: Bit) -> tuple[Bit, Bit, list[State], dict[str, Term]]:
+    """Whether the fault acts at this step, whether it did before, the registers that decide it, its free choices."""
     name = present_name(index)
     if fault.onset == FROM_START:
-        return there, [], {}
+        return there, there, [], {}
     chosen = cast(Bit, variable(f"{name}.now", BIT))
     free: dict[str, Term] = {f"{name}.now": chosen}
     if fault.onset == INTERMITTENT:
-        return there & chosen, [], free
+        return there & chosen, there, [], free
     if fault.onset == ANY_TIME:
         on = cast(Bit, variable(f"{name}.on", BIT))
         active = there & (on | chosen)
-        return active, [State(on, active, False)], free
+        return active, there & on, [State(on, active, False)], free
     assert fault.ticks is not None
     width = fault.ticks.bit_length()
     used = cast(UInt, variable(f"{name}.used", uint(width)))
     active = there & chosen & (used < fault.ticks)
     spent = select(used > 0, const_word(fault.ticks, width), used)
-    return active, [State(used, select(active, (used + 1).low(width), spent), 0)], free
+    return active, there & (used > 0), [State(used, select(active, (used + 1).low(width), spent), 0)], free
 
 
 def const_word(value: int, width: int) -> UInt:

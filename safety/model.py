@@ -281,9 +281,9 @@ def _recorded(step: Any) -> Any:
             raise ModelError(f"{cls.__name__}.step returns {following!r}; it returns the next {cls.__name__}, or that and its outputs")
         if outputs is not None:
             for name, term in _flatten(outputs, ""):
-                if name in registers(cls):
-                    raise ModelError(f"{cls.__name__}: output {name!r} has the name of a register; give it another")
-                scope.signals[(prefix + name) if name else (prefix.rstrip(".") or "out")] = term
+                if name in registers(cls) or name in parts(cls):
+                    raise ModelError(f"{cls.__name__}: output {name!r} has the name of a register or part; give it another")
+                scope.signals[prefix + (name or "out")] = term
         return result
 
     return call

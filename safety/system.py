@@ -20,6 +20,8 @@ from safety.terms.values import bit, build
 class ModelError(TypeError):
     """A model is written or used wrongly; the message names the signal and what to write instead."""
 
+    exit_code = 2
+
 
 class _Any:
     """The power-up value that may be anything."""

@@ -123,18 +123,18 @@ def _vcd_value(sort: Sort, value: Any, code: str) -> str:
 
 @dataclass
 class Stepper:
-    """A system compiled on the Python reading: one call a step."""
+    """A system compiled on the Python reading: next registers, observed signals, assumptions from registers and inputs."""
 
     system: System
     function: Callable[..., tuple[Any, ...]]
     observed: list[str]
 
     @classmethod
-    def of(cls, system: System) -> Stepper:
-        """Compile (or find compiled) a system's step."""
+    def of(cls, system: System, keep: Sequence[str] | None = None) -> Stepper:
+        """Compile a system's step; with `keep` only those signals are computed besides the registers."""
         inputs = [*(s.var for s in system.states), *system.inputs.values()]
-        observed = [p for p in (*system.points, *system.signals) if p not in system.state and p not in system.inputs]
-        observed = list(dict.fromkeys(observed))
+        known = dict.fromkeys(p for p in (*system.points, *system.signals) if p not in system.state and p not in system.inputs)
+        observed = [p for p in known if keep is None or p in keep]
         outputs = [*(s.next for s in system.states), *(system.lookup(p) for p in observed), *system.assumptions.values()]
         return cls(system, compile_python(inputs, outputs), observed)
 
@@ -155,22 +155,24 @@ def run(
     Raises `ModelError` for an unknown or missing input, a value outside its sort, or a broken assumption.
     """
     system = model if isinstance(model, System) else trace(model, settings)
-    stepper = Stepper.of(system)
+    if keep is not None:
+        for path in keep:
+            system.lookup(path)
+    stepper = Stepper.of(system, keep)
     state, chosen = initial_state(system, start or {})
-    rows = _rows(inputs, steps)
     paths = [*system.state, *system.inputs, *stepper.observed]
     kept = paths if keep is None else list(keep)
-    for path in kept:
-        if path not in paths:
-            raise ModelError(f"{system.name} has no signal {path!r}; {nearest(path, paths)}")
     index = [paths.index(p) for p in kept]
     columns: list[list[Any]] = [[] for _ in kept]
-    n, names, count = len(system.states), list(system.inputs), 0
-    watched = len(stepper.observed)
-    for row in rows:
-        given = _checked(system, row, names, count)
+    n, names, count, watched = len(system.states), list(system.inputs), 0, len(stepper.observed)
+    before: Row | None = None
+    for row in _rows(inputs, steps):
+        if row is not before:
+            given, before = _checked(system, row, names, count), row
         result = stepper.function(*state, *given)
-        _check_assumptions(system, result[n + watched :], count)
+        if False in result[n + watched :]:
+            label = list(system.assumptions)[result[n + watched :].index(False)]
+            raise ModelError(f"step {count} of {system.name} breaks the assumption {label!r}: choose inputs that keep it")
         values = (*state, *given, *result[n : n + watched])
         for column, i in zip(columns, index, strict=True):
             column.append(values[i])
@@ -221,9 +223,3 @@ def _checked(system: System, row: Row, names: list[str], step: int) -> list[Any]
         if not system.inputs[name].sort.admits(row[name]):
             raise ModelError(f"step {step}: input {name} is {system.inputs[name].sort}: {row[name]!r} is not a value of it")
     return [row[name] for name in names]
-
-
-def _check_assumptions(system: System, held: Sequence[bool], step: int) -> None:
-    for label, ok in zip(system.assumptions, held, strict=True):
-        if not ok:
-            raise ModelError(f"step {step} of {system.name} breaks the assumption {label!r}: choose inputs that keep it")

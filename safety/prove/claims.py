@@ -71,6 +71,7 @@ class Claim:
     witness: Scenario | None
     twin_of: str | None
     role: str = "claim"
+    anywhere: bool = False
     refinement: Any = None
 
 
@@ -108,10 +109,11 @@ def claim(
     scenario: Scenario | None = None,
     witness: Scenario | None = None,
     twin_of: Callable[..., Any] | None = None,
+    anywhere: bool = False,
 ) -> Callable[[F], F]:
     """Declare a claim about a model.
 
-    `given` holds at every step and `start` at power-up (both are shown as assumptions); `lemmas` are invariants of the
+    With `anywhere` it starts from every register content that `start` admits, not from power-up.  `given` holds at every step and `start` at power-up (both are shown as assumptions); `lemmas` are invariants of the
     registers, proved along with the claim and counted; `symbolic` parameters are left open in their range.  `steps`
     bounds the search for counterexamples, `induction` the depth of induction.  `scenario` is a scripted
     counterexample, `witness` a run in which the premise happens.
@@ -128,7 +130,7 @@ def claim(
             Claim(
                 claim_id(formula), model, formula, statement, expect, requirement, source, faults, given, start,
                 tuple(lemmas), tuple(symbolic), dict(settings or {}), steps, induction, arithmetic, scenario, witness,
-                claim_id(twin_of) if twin_of else None, "twin" if twin_of else "claim",
+                claim_id(twin_of) if twin_of else None, "twin" if twin_of else "claim", anywhere,
             )
         )  # fmt: skip
         return formula
@@ -164,28 +166,45 @@ class Seen:
             return Seen(self._system, self._faulted, path + ".")
         raise ModelError(f"{self._system.name} has no signal {path!r}; {nearest(path, names)}")
 
-    def faulty(self, part: str = "") -> Bit:
-        """Whether a fault whose points lie in a part is in the equipment (now or later)."""
-        return self._any_fault(part, lambda f: f.present)
 
-    def failing(self, part: str = "") -> Bit:
-        """Whether a fault whose points lie in a part acts at this step."""
-        return self._any_fault(part, lambda f: f.active)
+# --- what a claim can say of the faults in it ------------------------------------------------------------------------
 
-    def fault(self, name: str) -> Bit:
-        """Whether the fault of this name is in the equipment."""
-        faults = self._faulted.faults if self._faulted else ()
-        for fault, present in zip(faults, self._faulted.present if self._faulted else (), strict=True):
-            if fault.name == name:
-                return present
-        raise ModelError(f"no fault is called {name!r} here; {nearest(name, [f.name for f in faults])}")
 
-    def _any_fault(self, part: str, which: Callable[[Faulted], Sequence[Bit]]) -> Bit:
-        if self._faulted is None:
-            return any_of()
-        prefix = f"{self._prefix}{part}."
-        chosen = zip(self._faulted.faults, which(self._faulted), strict=True)
-        return any_of(*(b for f, b in chosen if any(p.startswith(prefix) or not part for p in f.points)))
+def faulty(s: Seen, part: str = "") -> Bit:
+    """Whether a fault whose points lie in a part (or any fault) is in the equipment, now or later."""
+    found = _faulted(s)
+    prefix = f"{s._prefix}{part}."
+    chosen = zip(found.faults, found.present, strict=True)
+    return any_of(*(b for f, b in chosen if not part or any(p.startswith(prefix) for p in f.points)))
+
+
+def has(s: Seen, *names: str) -> Bit:
+    """Whether one of these faults is in the equipment, now or later."""
+    return _named(s, names, lambda f: f.present)
+
+
+def struck(s: Seen, *names: str) -> Bit:
+    """Whether one of these faults acted before this step (a register, so lemmas can read it)."""
+    return _named(s, names, lambda f: f.acted)
+
+
+def new_fault(s: Seen) -> Bit:
+    """Whether any fault begins to act at this step."""
+    found = _faulted(s)
+    return any_of(*(a & ~b for a, b in zip(found.active, found.acted, strict=True)))
+
+
+def _faulted(s: Seen) -> Faulted:
+    return s._faulted or Faulted(s._system, (), (), (), ())
+
+
+def _named(s: Seen, names: Sequence[str], which: Callable[[Faulted], Sequence[Bit]]) -> Bit:
+    found = _faulted(s)
+    known = [f.name for f in found.faults]
+    for name in names:
+        if name not in known:
+            raise ModelError(f"no fault is called {name!r} here; {nearest(name, known)}")
+    return any_of(*(b for name, b in zip(known, which(found), strict=True) if name in names))
 
 
 # --- time: registers that watch ------------------------------------------------------------------------------------

@@ -37,7 +37,8 @@ class CutSet:
 
     faults: tuple[str, ...]
     status: str
-    run: Trace | None = field(default=None, compare=False, repr=False)
+    steps: int | None = None
+    script: Scenario | None = field(default=None, compare=False, repr=False)
 
     @property
     def order(self) -> int:
@@ -177,8 +178,19 @@ def _block(k: Any, present: list[Any], names: list[str], chosen: tuple[str, ...]
 
 
 def _replayed(hazard: Hazard, problem: Problem, chosen: tuple[str, ...]) -> CutSet:
+    """Run the scenarios with these faults in the equipment, on the Python reading."""
+    equipped = search.with_faults(problem, chosen)
     for script in hazard.scenarios(chosen):
-        broken = search.cut_at(search.scripted(problem, script), "claim.holds", False)
-        if broken is not None:
-            return CutSet(chosen, CONFIRMED, broken)
+        holds = search.scripted(equipped, script, keep=("claim.holds", "claim.given"))["claim.holds"]
+        if False in holds:
+            return CutSet(chosen, CONFIRMED, holds.index(False) + 1, script)
     return CutSet(chosen, CANDIDATE)
+
+
+def replay(hazard: Hazard, cut: CutSet) -> Trace:
+    """The run that confirms a cut set, with every signal, up to the step at which the hazard is there."""
+    if cut.script is None:
+        raise ModelError(f"{hazard.id}: {' + '.join(cut.faults)} is a candidate: no scenario confirmed it, so there is no run to show")
+    found = search.cut_at(search.scripted(build_problem(hazard.claim), cut.script), "claim.holds", False)
+    assert found is not None
+    return found

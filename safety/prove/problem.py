@@ -9,7 +9,7 @@ from typing import Any, cast
 from safety.faults import Fault, Faulted, instrument, within
 from safety.model import trace
 from safety.prove.claims import Claim, Formula, Seen, label, premise_of, watching
-from safety.system import ModelError, State, System
+from safety.system import ANY, ModelError, State, System
 from safety.terms import Bit
 from safety.terms.graph import Term, describe, postorder, variables
 from safety.terms.values import all_of, bit
@@ -43,6 +43,8 @@ def build_problem(claim: Claim, settings: dict[str, Any] | None = None) -> Probl
     Raises `ModelError` (or `TermError`) for a claim that names no signal, a lemma that reads an input, and the like.
     """
     bare = trace(claim.model, {**claim.settings, **(settings or {})}, claim.symbolic)
+    if claim.anywhere:
+        bare = replace(bare, states=tuple(replace(s, power_up=ANY) for s in bare.states))
     faults = claim.faults.expand(bare) if claim.faults else []
     faulted = instrument(bare, faults, present=None)
     seen = Seen(faulted.system, faulted)

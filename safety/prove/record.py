@@ -114,7 +114,7 @@ def cut_set_entry(result: CutSets, hazard: Hazard) -> dict[str, Any]:
         "why": result.why or None,
         "confirmed": result.by_order("confirmed"),
         "candidate": result.by_order("candidate"),
-        "cut_sets": [{"faults": list(s.faults), "status": s.status, "steps": len(s.run) if s.run else None} for s in result.sets],
+        "cut_sets": [{"faults": list(s.faults), "status": s.status, "steps": s.steps} for s in result.sets],
     }
 
 

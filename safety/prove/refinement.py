@@ -61,7 +61,7 @@ def refines(
         register(
             Claim(
                 claim_id(read), lower, read, statement, expect, requirement, source, None, None, None, (), (), {}, search, 1,
-                BITS, None, None, claim_id(twin_of) if twin_of else None, "twin" if twin_of else "refinement",
+                BITS, None, None, claim_id(twin_of) if twin_of else None, "twin" if twin_of else "refinement", False,
                 Refinement(upper, steps, read, at, pairs),
             )
         )  # fmt: skip
@@ -92,7 +92,7 @@ def build_refinement(claim: Claim) -> Problem:
     start = all_of(frame.start, *(cast(Bit, read[n] == s.var) for n, s in registers.items() if s.power_up is ANY))
     given = all_of(*(cast(Bit, a) for a in system.assumptions.values()))
     lemmas = {"the words read from the ring are the words held": equal & aligned}
-    return Problem(claim, system, Faulted(system, (), (), ()), equal & aligned & same_outputs, bit(True), given, start, lemmas)
+    return Problem(claim, system, Faulted(system, (), (), (), ()), equal & aligned & same_outputs, bit(True), given, start, lemmas)
 
 
 def _outputs(wanted: Refinement, upper: System, frame: System) -> Mapping[str, str]:

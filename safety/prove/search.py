@@ -5,18 +5,19 @@ Nothing is called a counterexample before it has been run on the Python reading 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from fractions import Fraction
-from typing import Any
+from typing import Any, cast
 
 from safety.faults import present_name
 from safety.prove.claims import Scenario
 from safety.prove.problem import Problem, observed
 from safety.prove.solve import SAT, UNKNOWN, Disagreement, Solver, Unrolling
-from safety.system import ANY, ModelError, nearest
+from safety.system import ANY, ModelError, nearest, substitute
 from safety.terms import Bit
 from safety.terms.graph import Term
+from safety.terms.values import bit
 from safety.trace import Trace, run
 
 
@@ -129,8 +130,8 @@ def _low(var: Term) -> Any:
     return {"bit": False, "real": Fraction(0)}.get(var.sort.kind, var.sort.low if var.sort.kind == "int" else 0)
 
 
-def scripted(problem: Problem, script: Scenario) -> Trace:
-    """Run a scenario.  Raises `ModelError` when it names what is not there or breaks an assumption of the claim."""
+def scripted(problem: Problem, script: Scenario, keep: Sequence[str] | None = None) -> Trace:
+    """Run a scenario, recording all signals or those of `keep` (with `claim.given`).  Raises `ModelError` when it names what is not there or breaks an assumption of the claim."""
     system = observed(problem)
     names = [f.name for f in problem.faults]
     for name in script.present:
@@ -142,26 +143,38 @@ def scripted(problem: Problem, script: Scenario) -> Trace:
     if unknown:
         raise ModelError(f"{problem.claim.id}: the scenario sets {unknown[0]!r}; {nearest(unknown[0], system.inputs)}")
 
-    def value(given: Any, k: int) -> Any:
-        return given(k) if callable(given) else given
+    fixed: dict[str, Any] = {}
+    moving: dict[str, Callable[[int], Any]] = {path: (lambda k: k >= script.at) for path in system.inputs if path.endswith(".now")}
+    for path, var in system.inputs.items():
+        point = path.split(".", 1)[-1].removesuffix(".value")
+        wanted = script.inputs.get(path, script.values.get(point, _low(var)))
+        if callable(wanted):
+            moving[path] = wanted
+        elif path not in moving:
+            fixed[path] = wanted
+    rows: dict[tuple[Any, ...], dict[str, Any]] = {}
 
     def row(k: int) -> dict[str, Any]:
-        result = {}
-        for path, var in system.inputs.items():
-            if path in script.inputs:
-                result[path] = value(script.inputs[path], k)
-            elif path.endswith(".now"):
-                result[path] = k >= script.at
-            else:
-                point = path.split(".", 1)[-1].removesuffix(".value")
-                result[path] = value(script.values[point], k) if point in script.values else _low(var)
-        return result
+        now = tuple(f(k) for f in moving.values())
+        if now not in rows:
+            rows.clear()
+            rows[now] = fixed | dict(zip(moving, now, strict=True))
+        return rows[now]
 
-    trace = run(system, row, script.steps, start={**chosen, **script.start})
+    trace = run(system, row, script.steps, start={**chosen, **script.start}, keep=keep)
     broken = [k for k, ok in enumerate(trace["claim.given"]) if not ok]
     if broken:
         raise ModelError(f"{problem.claim.id}: the scenario breaks an assumption of the claim at step {broken[0]}")
     return trace
+
+
+def with_faults(problem: Problem, names: Sequence[str]) -> Problem:
+    """The problem with just these faults in the equipment: the others are folded away, the rest is as it was."""
+    present = zip(problem.faults, problem.faulted.present, strict=True)
+    fixed = {there.uid: bit(fault.name in names) for fault, there in present if there.op == "var"}
+    holds, premise, given = (cast(Bit, t) for t in substitute([problem.holds, problem.premise, problem.given], fixed))
+    system = problem.system.mapped(lambda terms: substitute(terms, fixed))
+    return replace(problem, system=system, holds=holds, premise=premise, given=given)
 
 
 def cut_at(trace: Trace, signal: str, value: bool) -> Trace | None:

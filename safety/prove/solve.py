@@ -19,6 +19,8 @@ SAT, UNSAT, UNKNOWN = "sat", "unsat", "unknown"
 class Disagreement(RuntimeError):
     """Two solvers, or two readings, gave different answers to one question: nothing they say can be relied on."""
 
+    exit_code = 6
+
 
 class Unrolling:
     """Steps of a system as solver terms: `at(k, terms)` are the terms at step k.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from fractions import Fraction
 from typing import Any
 
 from safety.terms.graph import Term, TermError, describe, postorder
@@ -10,7 +11,7 @@ from safety.terms.table import OPERATIONS
 
 
 def evaluate(outputs: Iterable[Term], values: Mapping[Term, Any]) -> list[Any]:
-    """Values of the outputs, given a value for each variable under them.
+    """Values of the outputs (bool, int, Fraction), given a value for each variable under them.
 
     Raises `TermError` for a variable without a value and for a value outside its variable's sort.
     """
@@ -19,10 +20,8 @@ def evaluate(outputs: Iterable[Term], values: Mapping[Term, Any]) -> list[Any]:
     for variable, value in values.items():
         if not variable.sort.admits(value):
             raise TermError(f"{describe(variable)} is {variable.sort}: {value!r} is not a value of it")
-        known[variable.uid] = value
-    for term in postorder(outputs):
-        if term.uid in known:
-            continue
+        known[variable.uid] = Fraction(value) if variable.sort.kind == "real" else value
+    for term in postorder(outputs, set(known)):
         if term.op == "var":
             raise TermError(f"{describe(term)} has no value; give one")
         known[term.uid] = OPERATIONS[term.op].direct(term, *(known[a.uid] for a in term.args))

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import itertools
 import weakref
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Container, Iterable, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
@@ -19,6 +19,8 @@ Value = bool | int | Fraction
 
 class TermError(TypeError):
     """A term was used in a way that has no meaning in every reading; the message says what to write instead."""
+
+    exit_code = 2
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,8 +36,8 @@ class Sort:
 
     @property
     def width(self) -> int:
-        """Bits of an unsigned word."""
-        assert self.kind == "uint" and self.high is not None
+        """Bits of an unsigned word (of no other sort)."""
+        assert self.kind == "uint" and self.high is not None, f"{self} has no width"
         return self.high.bit_length()
 
     @property
@@ -70,21 +72,26 @@ REAL = Sort("real")
 
 
 def uint(width: int) -> Sort:
-    """Sort of unsigned words of `width` bits (1 or more)."""
-    if not isinstance(width, int) or isinstance(width, bool) or width < 1:
+    """Sort of unsigned words of `width` bits; `TermError` unless the width is a whole number from 1 up."""
+    if type(width) is not int or width < 1:
         raise TermError(f"a width is a whole number of bits from 1 up, not {width!r}")
     return Sort("uint", 0, (1 << width) - 1)
 
 
 def integer(low: int, high: int) -> Sort:
-    """Sort of the integers from `low` to `high`, both included."""
+    """Sort of the integers from `low` to `high`, both included; `TermError` unless both are whole and in order."""
+    if type(low) is not int or type(high) is not int:
+        raise TermError(f"the bounds of an integer range are whole numbers, not {low!r} and {high!r}")
     if low > high:
         raise TermError(f"an integer range runs from low to high, not from {low} to {high}")
     return Sort("int", low, high)
 
 
 class Term:
-    """A node: operation, arguments, attribute (a constant, a name, a bit number) and sort."""
+    """A node: operation, arguments, attribute (a constant, a name, a bit number) and sort.
+
+    Made by `node` only; a copy is the term itself, and a pickled term comes back as the one of its structure.
+    """
 
     __slots__ = ("__weakref__", "args", "attr", "op", "sort", "uid")
     op: str
@@ -100,6 +107,15 @@ class Term:
 
     def __repr__(self) -> str:
         return f"<{describe(self)}: {self.sort}>"
+
+    def __copy__(self) -> Term:
+        return self
+
+    def __deepcopy__(self, memo: object) -> Term:
+        return self
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return node, (self.op, self.args, self.attr, self.sort)
 
 
 _nodes: weakref.WeakValueDictionary[tuple[Any, ...], Term] = weakref.WeakValueDictionary()
@@ -128,8 +144,11 @@ def variable(name: str, sort: Sort) -> Term:
     return node("var", (), name, sort)
 
 
-def postorder(roots: Iterable[Term]) -> list[Term]:
-    """Every term under the roots, arguments before users, each once (no recursion: graphs may be deep)."""
+def postorder(roots: Iterable[Term], known: Container[int] = ()) -> list[Term]:
+    """Every term under the roots, arguments before users, each once (no recursion: graphs may be deep).
+
+    Terms whose uid is in `known`, and what only they use, are left out.
+    """
     order: list[Term] = []
     seen: set[int] = set()
     stack: list[tuple[Term, bool]] = [(r, False) for r in reversed(list(roots))]
@@ -137,7 +156,7 @@ def postorder(roots: Iterable[Term]) -> list[Term]:
         term, ready = stack.pop()
         if ready:
             order.append(term)
-        elif term.uid not in seen:
+        elif term.uid not in seen and term.uid not in known:
             seen.add(term.uid)
             stack.append((term, True))
             stack.extend((a, False) for a in reversed(term.args) if a.uid not in seen)
@@ -158,27 +177,35 @@ def rewrite(roots: Iterable[Term], rule: Callable[[Term, tuple[Term, ...]], Term
     return [new[r.uid] for r in roots]
 
 
-_INFIX = {"and": "&", "or": "|", "xor": "^", "add": "+", "sub": "-", "mul": "*", "eq": "==", "lt": "<", "le": "<=",
-          "band": "&", "bor": "|", "bxor": "^", "implies": "->"}  # fmt: skip
+_INFIX = {
+    **{"and": "&", "or": "|", "xor": "^", "implies": "->", "band": "&", "bor": "|", "bxor": "^"},
+    **{"add": "+", "sub": "-", "mul": "*", "eq": "==", "lt": "<", "le": "<="},
+}
 
 
 def describe(term: Term, depth: int = 3) -> str:
-    """A short text of a term for messages, e.g. `(a.acc + k).bit(8)`."""
-    if term.op == "const":
+    """A short text of a term for messages, e.g. `(a.acc + k).bit(8)`; below `depth` it ends in `...`."""
+    if term.op in ("const", "var", "point"):
         return str(term.attr)
-    if term.op in ("var", "point"):
-        return str(term.attr)
+    if term.op == "cast":
+        return describe(term.args[0], depth)
     if depth == 0:
         return "..."
-    parts = [describe(a, depth - 1) for a in term.args]
+    first, *others = (describe(a, depth - 1) for a in term.args)
     if term.op in _INFIX:
-        return f"({parts[0]} {_INFIX[term.op]} {parts[1]})"
+        return f"({first} {_INFIX[term.op]} {others[0]})"
     if term.op == "not":
-        return f"~{parts[0]}"
-    if term.op in ("bit", "slice"):
-        numbers = (term.attr,) if term.op == "bit" else term.attr
-        return f"{parts[0]}.{term.op}({', '.join(map(str, numbers))})"
-    return f"{term.op}({', '.join(parts)})"
+        return f"~{first}"
+    if term.op == "bit":
+        return f"{first}.bit({term.attr})"
+    if term.op == "slice":
+        start, count = term.attr
+        return f"{first}.slice({start}, {count})" if start else f"{first}.low({count})"
+    if term.op in ("div", "mod"):
+        return f"({first} {'//' if term.op == 'div' else '%'} {term.attr})"
+    if term.op == "clip":
+        return f"{first}.clip{term.sort.bounds}" if term.sort.kind == "int" else f"{first}.sat({term.sort.width})"
+    return f"{term.op}({', '.join([first, *others])})"
 
 
 Bindings = Mapping[str, Value]

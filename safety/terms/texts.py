@@ -20,27 +20,47 @@ NESTING = 12  # expressions deeper than this get a name of their own; parsers li
 
 
 def source(column: str, inputs: Sequence[Term], outputs: Sequence[Term], name: str = "step") -> str:
-    """Source of a function from the inputs (variables, in order) to the tuple of outputs."""
+    """Source of a function from the inputs (variables, in order) to the tuple of outputs.
+
+    `column` is `python` or `lanes`.  Raises `TermError` for a variable that is not an input.
+    """
     names = {term.uid: f"v{i}" for i, term in enumerate(inputs)}
-    order = postorder(outputs)
-    uses = Counter(a.uid for t in order for a in t.args)
-    text: dict[int, str] = {}
-    depth: dict[int, int] = {}
+    order = postorder(outputs, names)
+    uses = Counter(t.uid for users in (*(t.args for t in order), outputs) for t in users)
+    text = dict(names)
+    depth = dict.fromkeys(names, 0)
     lines = [f"def {name}({', '.join(names[t.uid] for t in inputs)}):"]
     for term in order:
-        if term.uid in names:
-            text[term.uid], depth[term.uid] = names[term.uid], 0
-            continue
         if term.op == "var":
-            raise TermError(f"{describe(term)} is read but not bound: it belongs to another model or was created outside `step`")
+            raise TermError(
+                f"{describe(term)} is read but not bound: it belongs to another model or was created outside `step`"
+            )
         expression = getattr(OPERATIONS[term.op], column)(term, *(text[a.uid] for a in term.args))
-        level = 1 + max((depth[a.uid] for a in term.args), default=0)
-        if term.args and term.op != "point" and (uses[term.uid] > 1 or level > NESTING):
+        level = 1 + max((depth[a.uid] for a in term.args), default=-1)
+        if level > NESTING or (level and uses[term.uid] > 1 and not expression.isidentifier()):
             lines.append(f"    t{len(lines)} = {expression}")
             expression, level = f"t{len(lines) - 1}", 0
         text[term.uid], depth[term.uid] = expression, level
-    lines.append(f"    return ({''.join(text[t.uid] + ', ' for t in outputs)})")
+    results = [text[t.uid] for t in outputs]
+    if column == "lanes" and inputs:
+        varying = _varying(order, set(names))
+        results = [r if t.uid in varying else _spread(r, t) for r, t in zip(results, outputs, strict=True)]
+    lines.append(f"    return ({''.join(r + ', ' for r in results)})")
     return "\n".join(lines) + "\n"
+
+
+def _varying(order: Sequence[Term], varying: set[int]) -> set[int]:
+    """The terms that read an input, of those in order and the inputs."""
+    for term in order:
+        if any(a.uid in varying for a in term.args):
+            varying.add(term.uid)
+    return varying
+
+
+def _spread(text: str, term: Term) -> str:
+    """A constant in every lane."""
+    kind = "bool" if term.sort.kind == "bit" else "object" if is_object(term.sort) else "np.int64"
+    return f"np.full(len(v0), {text}, {kind})"
 
 
 def _compiled(text: str, name: str, environment: dict[str, Any]) -> Callable[..., tuple[Any, ...]]:
@@ -52,22 +72,34 @@ def _compiled(text: str, name: str, environment: dict[str, Any]) -> Callable[...
 
 
 def compile_python(inputs: Sequence[Term], outputs: Sequence[Term]) -> Callable[..., tuple[Any, ...]]:
-    """The Python reading: a function of bool, int and Fraction values."""
+    """The Python reading: a function of bool, int and Fraction values; `TermError` for a variable not among the inputs.
+
+    Values are not checked against their sorts.
+    """
     return _compiled(source("python", inputs, outputs), "step", {"Fraction": Fraction})
 
 
 def compile_lanes(inputs: Sequence[Term], outputs: Sequence[Term]) -> Callable[..., tuple[Any, ...]]:
-    """The lanes reading: a function of arrays of one length (bool, int64, object beyond 64 bits and for reals)."""
+    """The lanes reading: a function of arrays of one length, of the `lane_type` of each input, to such arrays.
+
+    Values are not checked against their sorts.  Without inputs the outputs are scalars.  Raises `TermError` for a
+    variable not among the inputs.
+    """
     import numpy as np
 
-    def fractions(x: Any) -> Any:
-        return np.array([Fraction(int(v)) for v in x], dtype=object)
-
-    return _compiled(source("lanes", inputs, outputs), "step", {"Fraction": Fraction, "np": np, "fractions": fractions})
+    environment = {
+        "Fraction": Fraction,
+        "np": np,
+        "words": lambda x: np.asarray(x, dtype=np.int64),
+        "objects": lambda x: np.asarray(x, dtype=object),
+        "wires": lambda x: np.asarray(x, dtype=np.bool_),
+        "fractions": np.frompyfunc(lambda x: Fraction(int(x)), 1, 1),
+    }
+    return _compiled(source("lanes", inputs, outputs), "step", environment)
 
 
 def lane_type(term: Term) -> Any:
-    """The NumPy dtype that lanes of a term have."""
+    """The NumPy dtype that lanes of a term have: bool, int64, or object beyond 64 bits and for reals."""
     import numpy as np
 
-    return np.bool_ if term.sort.kind == "bit" else np.dtype(object) if is_object(term.sort) else np.int64
+    return np.dtype(np.bool_ if term.sort.kind == "bit" else object if is_object(term.sort) else np.int64)

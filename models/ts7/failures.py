@@ -1,0 +1,114 @@
+"""How the components of TS-7 fail: faults of `Ts7`, by component.
+
+Each fault names the points at which it acts in the equipment; rates are given elsewhere.
+Source: components and modes after the fault table of the equipment [A]; a wrong row is that of 90 km/h, the worst.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from safety import Fault, UInt, byzantine, flip, frozen, open_circuit, stuck, welded, word
+from safety.faults import Kind
+from safety.terms.graph import Term
+
+CHANNELS = "abc"
+WORD_90, WORD_25, SMALLEST_WHEEL = 191, 53, 156
+
+
+def reads(value: int) -> Kind:
+    """Wrong row: the word reads a constant."""
+    meaning = f"the word {value} whatever is selected"
+    return Kind(f"reads {value}", meaning, lambda _, healthy: word(value, as_word(healthy).width), ("uint",))
+
+
+def wired_or(value: int) -> Kind:
+    """Two rows at once: the columns carry the OR of two words."""
+    meaning = f"each bit of {value} is on"
+    return Kind(f"ORed with {value}", meaning, lambda _, healthy: as_word(healthy) | value, ("uint",))
+
+
+def as_word(term: Term) -> UInt:
+    """A term known to be a word."""
+    assert isinstance(term, UInt)
+    return term
+
+
+def channel_faults(n: str) -> list[Fault]:
+    """The ten ways in which channel n and its relays fail."""
+    return [
+        Fault(stuck(0), [f"{n}.f_v"], name=f"{n}: no f_v"),
+        Fault(stuck(1), [f"{n}.f_p"], name=f"{n}: f_p in every frame"),
+        Fault(stuck(0), [f"{n}.ring.overflow.o*"], name=f"{n}: ring stuck"),
+        Fault(reads(WORD_90), [f"lines_{n}.word"], name=f"{n}: wrong word"),
+        Fault(stuck(0), [f"{n}.comparator.u"], name=f"{n}: comparator at 0"),
+        Fault(stuck(0), [f"{n}.comparator.latch"], name=f"{n}: latch at release"),
+        Fault(welded(), [f"common.{n}.nbrr_relay.contact"], name=f"{n}: NBRR welded"),
+        Fault(welded(), [f"common.{n}.chr_relay.contact"], name=f"{n}: CHR welded"),
+        Fault(stuck(0), [f"{n}.check.faulty"], name=f"{n}: fault detector dead"),
+        Fault(stuck(1), [f"{n}.comparator.latch"], name=f"{n}: latch at brake"),
+    ]
+
+
+def shared_faults() -> list[Fault]:
+    """The seven failures common to the channels or behind them."""
+    words = [f"lines_{n}.word" for n in CHANNELS]
+    return [
+        Fault(stuck(0), ["axle.pulse"], name="speed generator dead"),
+        Fault(reads(WORD_90), words, name="wrong row in all channels"),
+        Fault(wired_or(WORD_25), words, name="signal lines wire-ORed with 25"),
+        Fault(reads(SMALLEST_WHEEL), ["wheel_switch"], name="wheel switch on 780 mm"),
+        Fault(welded(), ["common.nb_relay.contact"], name="NB output welded"),
+        Fault(welded(), ["common.eb_relay.contact"], name="EB relay welded"),
+        Fault(byzantine(), ["common.sync.isolate_*"], name="synchronisation isolates anyone"),
+    ]
+
+
+def component_faults() -> list[Fault]:
+    """The 37 faults over which the hazard's cut sets are sought: ten a channel, seven shared."""
+    return [fault for n in CHANNELS for fault in channel_faults(n)] + shared_faults()
+
+
+def component_modes() -> dict[str, list[Fault]]:
+    """Every failure mode that has a place in `Ts7`, by component; for injection."""
+    return {component: list(faults) for component, faults in _modes()}
+
+
+def _modes() -> Iterator[tuple[str, list[Fault]]]:
+    both = (stuck(0), stuck(1))
+    for n in CHANNELS:
+        lines = [f"lines_{n}.line.s{v}" for v in (0, 25, 45, 65, 75, 90)]
+        cells = [stuck(value, bit=k) for value in (0, 1) for k in range(8)]
+        yield f"oscillator {n}", [Fault(frozen(), [f"{n}.output.level", f"{n}.rev"], name=f"oscillator {n} stops")]
+        yield f"ring {n}", [Fault(stuck(0), [f"{n}.ring.overflow.o*"]), Fault(stuck(1), [f"{n}.ring.overflow.o*"])]
+        yield f"word select {n}", [Fault(stuck(0), [f"{n}.ring.select.j{w}"]) for w in range(4)]
+        yield f"data matrix {n}", [Fault(kind, [f"{n}.ring.matrix.j{w}"]) for w in range(4) for kind in cells]
+        yield f"level converters {n}", [Fault(kind, [line]) for line in lines for kind in both]
+        yield f"overflow gates {n}", [Fault(kind, [f"{n}.ring.overflow.o{w}"]) for w in range(4) for kind in both]
+        yield f"divide by 16 {n}", [Fault(stuck(v, bit=3), [f"{n}.div{w}.n"]) for w in (0, 3) for v in (0, 1)]
+        yield f"comparator {n}", [Fault(kind, [f"{n}.comparator.{p}"]) for p in ("u", "latch") for kind in both]
+        yield f"roll-back {n}", [Fault(kind, [f"{n}.rollback.{p}"]) for p in ("u", "latch") for kind in both]
+        yield f"fault detector {n}", [Fault(kind, [f"{n}.check.faulty"]) for kind in both]
+        yield (
+            f"output amplifier {n}",
+            [
+                *(Fault(kind, [f"{n}.output.level"]) for kind in both),
+                Fault(stuck(1), [f"{n}.output.toggle"], name=f"output amplifier {n} oscillates"),
+            ],
+        )
+        yield f"lowering {n}", [Fault(kind, [f"{n}.lowered"]) for kind in both]
+        yield f"relays {n}", [_relay(mode, f"common.{n}.{r}_relay") for r in ("nbrr", "chr") for mode in RELAY_MODES]
+        yield f"isolation {n}", [Fault(kind, [f"common.sync.isolate_{n}"]) for kind in both]
+        yield f"supply {n}", [Fault(stuck(0), [f"common.{n}.supply"])]
+    yield "output relays", [_relay(mode, f"common.{relay}_relay") for relay in ("nb", "eb") for mode in RELAY_MODES]
+    yield "speed generator", [Fault(kind, ["axle.pulse"]) for kind in both] + [Fault(flip(), ["axle.backward"])]
+    yield "wheel switch", [Fault(reads(w), ["wheel_switch"]) for w in (0, *range(156, 173, 2))]
+    yield "power", [Fault(stuck(0), [f"power.{p}"]) for p in ("inverter", "mg", "change_over", "supply")]
+
+
+RELAY_MODES = ("coil open", "contact open", "contact welded")
+
+
+def _relay(mode: str, relay: str) -> Fault:
+    where, how = mode.split()
+    return Fault(open_circuit() if how == "open" else welded(), [f"{relay}.{where}"], name=f"{relay} {mode}")

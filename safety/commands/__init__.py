@@ -1,0 +1,137 @@
+"""The command `rightside`: one module a verb, imported when that verb is called.
+
+Human text goes to stderr, data to stdout.  Exit codes: 0 all as asked, 1 refuted or a target missed, 2 usage or input
+error, 3 undecided, 4 weaker than asked, 5 nothing selected, 6 engines disagree, 70 internal error, 130 interrupted.
+A verb's module has `EXAMPLES`, `add_arguments(parser)` and `run(args) -> exit code`; its docstring is its help.
+"""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import difflib
+import importlib
+import os
+import signal
+import sys
+from collections.abc import Sequence
+from typing import Any, NoReturn
+
+VERBS = {
+    "verify": "run everything below and write the report",
+    "list": "what there is: claims, campaigns, hazards, rates, models, points",
+    "run": "run a model and show its signals",
+    "prove": "prove or refute claims",
+    "inject": "run fault-injection campaigns",
+    "tree": "find cut sets and solve fault trees",
+    "rate": "work out rates and mean times",
+    "report": "write or check the report of the last results",
+    "replay": "show again how a claim fails, what a fault does, how a hazard comes about",
+}
+INPUT_ERROR, INTERNAL, INTERRUPTED = 2, 70, 130
+
+
+class CommandError(Exception):
+    """The command cannot do what was asked; the message says what to do instead."""
+
+    exit_code = INPUT_ERROR
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run a command line; returns its exit code."""
+    words = list(sys.argv[1:] if argv is None else argv)
+    for stream in (sys.stdout, sys.stderr):
+        if hasattr(stream, "reconfigure"):  # a console that lacks a sign shows "?" instead of stopping the run
+            stream.reconfigure(errors="replace")
+    try:
+        if not words or words[0] not in VERBS:
+            return _without_verb(words)
+        return _call(words[0], words[1:])
+    except SystemExit as end:  # argparse ends this way
+        return end.code if isinstance(end.code, int) else INPUT_ERROR
+
+
+def _without_verb(words: list[str]) -> int:
+    parser = argparse.ArgumentParser(
+        prog="rightside",
+        usage="rightside VERB ...",
+        description="Proofs, fault injection, fault trees and reliability figures for fail-safe equipment.",
+        epilog=_verbs() + "\n\n`rightside VERB --help` shows options and examples.  Without a network, nothing is missing.",
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("--version", action="store_true", help="show the release and end")
+    if words and not words[0].startswith("-"):
+        near = difflib.get_close_matches(words[0], VERBS, n=1)
+        parser.error(f"there is no verb {words[0]!r}; " + (f"did you mean {near[0]}?" if near else f"verbs: {', '.join(VERBS)}"))
+    args, rest = parser.parse_known_args(words)
+    if rest:
+        parser.error(f"{rest[0]} stands before the verb; write `rightside VERB {rest[0]} ...`")
+    if args.version:
+        from safety.commands.versions import version
+
+        print(version())
+        return 0
+    parser.print_help(sys.stderr)
+    return INPUT_ERROR
+
+
+def _verbs() -> str:
+    return "verbs:\n" + "\n".join(f"  {verb:<8} {text}" for verb, text in VERBS.items())
+
+
+def _call(verb: str, words: list[str]) -> int:
+    module: Any = importlib.import_module(f"safety.commands.{verb}")
+    examples = "examples:\n" + "\n".join(f"  {line}" for line in module.EXAMPLES.strip().splitlines())
+    parser = argparse.ArgumentParser(
+        prog=f"rightside {verb}",
+        description=module.__doc__,
+        epilog=examples,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    module.add_arguments(parser)
+    parser.add_argument("--project", metavar="DIR", help="the project's folder (default: found from here upwards)")
+    parser.add_argument("--traceback", action="store_true", help="show the whole way to an error")
+    args = parser.parse_args(words)
+    before = _end_like_ctrl_c(signal.SIGTERM)
+    try:
+        code: int = module.run(args)
+        sys.stdout.flush()
+    except KeyboardInterrupt:
+        print(f"rightside {verb}: interrupted", file=sys.stderr)
+        return INTERRUPTED
+    except BrokenPipeError:  # the reader, e.g. `head`, has seen enough
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 0
+    except Exception as error:
+        return _failed(verb, error, args.traceback)
+    finally:
+        if before is not None:
+            signal.signal(signal.SIGTERM, before)
+    return code
+
+
+def _end_like_ctrl_c(number: int) -> Any:
+    """Let a termination signal keep partial results too; the handler before, or None outside the main thread."""
+
+    def stop(*_: object) -> NoReturn:
+        raise KeyboardInterrupt
+
+    with contextlib.suppress(ValueError):
+        return signal.signal(number, stop)
+    return None
+
+
+def _failed(verb: str, error: Exception, whole: bool) -> int:
+    """Say what went wrong in a line or two; the exit code that the error's class carries."""
+    code = getattr(error, "exit_code", INPUT_ERROR if isinstance(error, OSError) else INTERNAL)
+    text = f"{error.filename}: {error.strerror}" if isinstance(error, OSError) and error.filename else str(error)
+    if code == INTERNAL:
+        text = f"internal error, {type(error).__name__}: {text}"
+    print(f"rightside {verb}: {text}", file=sys.stderr)
+    if whole:
+        import traceback
+
+        traceback.print_exception(error)
+    elif code == INTERNAL:
+        print("  This is a fault of rightside. Please report it, with what this command shows with --traceback.", file=sys.stderr)
+    return int(code)

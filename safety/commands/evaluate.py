@@ -1,0 +1,153 @@
+"""One item's entry in the results document: the work that a worker process does for it."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any, TypeVar
+
+from safety.commands.selection import Item
+from safety.model import Model, resolve
+from safety.project import Problem, Project, Value
+from safety.prove.hazards import Hazard
+from safety.prove.prove import Limits
+from safety.system import ModelError
+
+if TYPE_CHECKING:
+    from safety.inject import Campaign
+    from safety.prove.claims import Claim
+    from safety.rates.claims import Rate
+
+Entry = dict[str, Any]
+Named = TypeVar("Named", "Claim", "Campaign", "Hazard", "Rate")
+Note = Callable[[str], None]
+
+
+@dataclass
+class Order:
+    """How to work, for all items alike."""
+
+    timeout: float = 60.0
+    settings: Mapping[str, Value] = field(default_factory=dict)
+    vcd: bool = False
+
+
+@dataclass
+class Answer:
+    """What came of an item: its entry, unless a problem in the project's files stands in the way."""
+
+    item: Item
+    entry: Entry | None = None
+    problem: Problem | None = None
+    vcd: str = ""
+
+
+def evaluate(project: Project, item: Item, order: Order, note: Note) -> Answer:
+    """Work out an item; an error becomes a problem of the project's or an entry that says so."""
+    began = time.perf_counter()
+    try:
+        return _EVALUATE[item.section](project, item, order, note)
+    except Exception as error:
+        if project.is_users(error):
+            return Answer(item, problem=_problem(project, item, error))
+        entry = without_result(item, error)
+        return Answer(item, entry | {"seconds": round(time.perf_counter() - began, 3)})
+
+
+def without_result(item: Item, error: Exception | str) -> Entry:
+    """The entry of an item that came to nothing: engines that disagree, or an internal error."""
+    code = getattr(error, "exit_code", 70)
+    text = str(error) if code != 70 or isinstance(error, str) else f"{type(error).__name__}: {error}"
+    base: Entry = {"id": item.id, "model": item.model, "requirement": item.requirement or None, "statement": item.statement}
+    match item.section:
+        case "claims":
+            base |= {"expect": item.expect, "verdict": "undecided", "why": text}
+            said: Entry = {"disagreed_by": ["the engines"]} if code == 6 else {}
+        case "campaigns":
+            classes = dict.fromkeys(("safe", "detected", "dangerous_undetected", "no_effect"), 0)
+            base |= {"injections": 0, "exhaustive": False, "classes": classes, "note": text}
+            said = {}
+        case "trees":
+            base |= {"probability": None, "probability_low": 0.0, "probability_high": None, "note": text}
+            said = {}
+        case _:
+            base |= {"quantity": item.statement, "value": None, "note": text}
+            said = {"agree": False} if code == 6 else {}
+    return base | (said if code in (3, 6) else {"error": text})
+
+
+def fitting(model: type[Model], settings: Mapping[str, Value]) -> dict[str, Value]:
+    """The settings that name a parameter of the model."""
+    return {name: value for name, value in settings.items() if _fits(model, name)}
+
+
+def _fits(model: type[Model], name: str) -> bool:
+    try:
+        resolve(model, {name: None})
+    except ModelError:
+        return False
+    return True
+
+
+def _claim(project: Project, item: Item, order: Order, note: Note) -> Answer:
+    from safety.commands.stimulus import stimulus
+    from safety.prove.prove import prove
+    from safety.prove.record import claim_entry
+
+    claim = find(project.claims, item.id)
+    outcome = prove(claim, Limits(order.timeout), fitting(claim.model, order.settings))
+    entry, trace = claim_entry(outcome), outcome.counterexample
+    if trace is None:
+        return Answer(item, entry)
+    entry["counterexample"] |= {"stimulus": stimulus(trace), "vcd": None}
+    return Answer(item, entry, vcd=trace.vcd() if order.vcd else "")
+
+
+def _campaign(project: Project, item: Item, order: Order, note: Note) -> Answer:
+    campaign = find(project.campaigns, item.id)
+    if isinstance(campaign.model, type):
+        campaign.settings = {**campaign.settings, **fitting(campaign.model, order.settings)}
+    return Answer(item, campaign.run(lambda share, seconds: note(f"{share:.0%}")))
+
+
+def _hazard(project: Project, item: Item, order: Order, note: Note) -> Answer:
+    from safety.prove.hazards import cut_sets
+    from safety.trees.from_model import tree_entry
+
+    hazard = find(project.hazards, item.id)
+    claim = hazard.claim
+    hazard = replace(hazard, claim=replace(claim, settings={**claim.settings, **fitting(claim.model, order.settings)}))
+    began = time.perf_counter()
+    found = cut_sets(hazard, Limits(order.timeout), note)
+    return Answer(item, tree_entry(found, hazard, time.perf_counter() - began))
+
+
+def _rate(project: Project, item: Item, order: Order, note: Note) -> Answer:
+    return Answer(item, find(project.rates, item.id).evaluate())
+
+
+_EVALUATE: Mapping[str, Callable[[Project, Item, Order, Note], Answer]] = {
+    "claims": _claim,
+    "campaigns": _campaign,
+    "trees": _hazard,
+    "rates": _rate,
+}
+
+
+def find(declared: list[Named], wanted: str) -> Named:
+    """The one of this id."""
+    return next(one for one in declared if one.id == wanted)
+
+
+def _problem(project: Project, item: Item, error: Exception) -> Problem:
+    """At the line of the project's own code that failed, else where the claim or hazard is written."""
+    from pathlib import Path
+
+    place, line = None, 1
+    if item.section == "claims":
+        code = find(project.claims, item.id).formula.__code__
+        place, line = Path(code.co_filename), code.co_firstlineno
+    found = project.problem(error, place, line)
+    named = found.message if item.id in found.message else f"{item.id}: {found.message}"
+    return replace(found, message=named)

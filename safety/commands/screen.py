@@ -1,0 +1,123 @@
+"""What people see while a command works: a line a result, and on a terminal a line that says what is being done."""
+
+from __future__ import annotations
+
+import os
+import sys
+import time
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from safety.commands.selection import Item
+from safety.report.numbers import number
+from safety.report.schema import Entry
+from safety.report.standing import Standing, standing
+
+Styles = Mapping[int, str]
+STYLES: Styles = {0: "green", 3: "yellow", 4: "yellow"}  # else red
+NAMES = 44  # most characters of an id before the columns shift
+
+
+class Screen:
+    """stderr.  Colour and the progress line only on a terminal; rich is imported only there."""
+
+    def __init__(self, progress: bool = True) -> None:
+        self.live: Any = None
+        self.console: Any = None
+        self.began = time.monotonic()
+        if sys.stderr.isatty() and os.environ.get("TERM") != "dumb":
+            from rich.console import Console
+            from rich.live import Live
+
+            self.console = Console(stderr=True, highlight=False, soft_wrap=True)
+            if progress:
+                self.live = Live(console=self.console, auto_refresh=False, transient=True)
+
+    def __enter__(self) -> Screen:
+        if self.live:
+            self.live.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self.live:
+            self.live.update("")
+            self.live.stop()
+
+    def say(self, text: str, style: str = "") -> None:
+        """A line for people."""
+        if self.console is None:
+            print(text, file=sys.stderr, flush=True)
+        else:
+            from rich.text import Text
+
+            self.console.print(Text(text, style=style))
+
+    def working(self, done: int, of: int, items: Sequence[Item], notes: Mapping[str, str]) -> None:
+        """Update the progress line."""
+        if self.live:
+            from rich.text import Text
+
+            texts = [f"{item.id} {notes.get(item.id, '')}".rstrip() for item in items]
+            line = f"{done} of {of}  {time.monotonic() - self.began:.0f} s  {'; '.join(texts)}"
+            self.live.update(Text(line[: max(self.console.width - 1, 20)], style="dim"), refresh=True)
+
+    def result(self, section: str, entry: Entry, width: int) -> None:
+        """The line of a result."""
+        judged = standing(section, entry)
+        self.say(line(section, entry, judged, width), STYLES.get(judged.code, "bold red") if judged.code else "")
+
+
+def line(section: str, entry: Entry, judged: Standing, width: int) -> str:
+    """Mark, verdict, id, what is not as asked, and how it was found: `x BOUNDED  voter.trips  expected proved ...`."""
+    word, *told = _TOLD[section](entry)
+    mark = "x" if judged.code else " "
+    reason = [judged.reason] if judged.code else []
+    seconds = entry.get("seconds")
+    if isinstance(seconds, Mapping):
+        seconds = seconds.get("total")
+    took = [f"{seconds:.2f} s"] if isinstance(seconds, int | float) else []
+    head = f"{mark} {word.upper():<9} {entry['id']:<{min(width, NAMES)}}"
+    return "  ".join([head, *(text for text in (*reason, *told, *took) if text)]).rstrip()
+
+
+def _claim(entry: Entry) -> list[str]:
+    steps = (entry.get("strength") or {}).get("steps")
+    agreed = entry.get("agreed_by") or []
+    lemmas = entry.get("user_lemmas") or 0
+    expected = {"refuted": "as it must be", "proved": ""}.get(entry["expect"], "as expected")
+    return [
+        entry["verdict"],
+        expected if entry["verdict"] == entry["expect"] else "",
+        f"to {steps} steps" if entry["verdict"] == "bounded" else f"in {steps} steps" if entry["verdict"] == "refuted" else "",
+        entry.get("method") or "",
+        f"{lemmas} user lemma{'s' * (lemmas > 1)}" if lemmas else "",
+        f"agreed by {', '.join(agreed)}" if agreed else "",
+        entry.get("why") or "",
+    ]
+
+
+def _campaign(entry: Entry) -> list[str]:
+    classes = ", ".join(f"{count} {name.replace('_', ' ')}" for name, count in entry["classes"].items())
+    kind = "all" if entry["exhaustive"] else "sample"
+    return ["injected", f"{entry['injections']} injections ({kind}): {classes}"]
+
+
+def _tree(entry: Entry) -> list[str]:
+    sets = entry.get("minimal_cut_sets") or {}
+    orders = ", ".join(f"{count} of order {order}" for order, count in (sets.get("by_order") or {}).items())
+    told = f"{sets.get('count', 0)} cut sets" + (f": {orders}" if orders else "")
+    candidates = sum((entry.get("candidate") or {}).values())
+    probability = entry.get("probability")
+    return [
+        "solved", told, entry.get("completeness") or "",
+        f"{candidates} candidates" if candidates else "",
+        f"probability {number(probability)}" if probability is not None else "",
+    ]  # fmt: skip
+
+
+def _rate(entry: Entry) -> list[str]:
+    target = f"target {entry['target']}" + (" met" if entry.get("met") else "") if entry.get("target") else ""
+    return ["found", f"{number(entry.get('value'))} {entry.get('unit') or ''}".rstrip(), target, entry.get("quantity") or ""]
+
+
+_TOLD = {"claims": _claim, "campaigns": _campaign, "trees": _tree, "rates": _rate}

@@ -1,0 +1,208 @@
+"""The common course of verify, prove, inject, tree and rate: load, select, work, show, keep."""
+
+from __future__ import annotations
+
+import hashlib
+import sys
+import time
+from argparse import Namespace
+from collections.abc import Iterable, Sequence
+from contextlib import closing
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from safety.commands import INPUT_ERROR, INTERRUPTED, CommandError, memory
+from safety.commands.evaluate import Answer, Order, fitting
+from safety.commands.options import cores
+from safety.commands.output import write_json
+from safety.commands.screen import Screen
+from safety.commands.selection import Item, items, select
+from safety.commands.versions import versions
+from safety.commands.workers import Workers
+from safety.model import resolve, trace
+from safety.project import MODELS, PROOFS, Problem, Project, files, open_project
+from safety.report import terminal
+from safety.report.results import Results, empty, exit_code, merge
+from safety.report.standing import INTERNAL, DISAGREE, standing
+from safety.system import ModelError
+
+NOUNS = {"claims": "claims", "campaigns": "campaigns", "trees": "hazards", "rates": "rates"}
+SAVE_S = 30.0  # what a power cut may cost
+
+
+@dataclass
+class Session:
+    """A piece of work on a project: what it found so far."""
+
+    project: Project
+    args: Namespace
+    chosen: list[Item]
+    results: Results
+    tables: bool = False
+    interrupted: bool = False
+    notes: dict[str, str] = field(default_factory=dict)
+
+    @property
+    def part(self) -> bool:
+        """Whether only a part of the project's results was asked for, or of a changed model."""
+        args = self.args
+        return bool(args.keyword or args.req or args.lf or args.first or args.settings)
+
+    def work(self) -> int:
+        """Do everything that was chosen; results are shown as they come and kept, whatever happens."""
+        began = time.monotonic()
+        config, args = self.project.config, self.args
+        order = Order(args.timeout or config.timeout, {**config.settings, **dict(args.settings)}, bool(getattr(args, "vcd", None)))
+        self._check(order)
+        try:
+            with Screen(not args.no_progress) as screen:
+                self._show_problems(screen, self.project.problems)
+                with Workers(self.project, order, args.jobs or config.jobs or cores()) as workers:
+                    self._gather(workers, screen)
+        except KeyboardInterrupt:
+            self.interrupted = True
+            self.results["interrupted"] = True
+        self.results["runs"] = [{"command": self._command(), "seconds": round(time.monotonic() - began, 3)}]
+        return self._end()
+
+    def _gather(self, workers: Workers, screen: Screen) -> None:
+        width = max((len(item.id) for item in self.chosen), default=0)
+        saved, done = time.monotonic(), 0
+        with closing(workers.run(self.chosen)) as events:
+            for event in events:
+                if event.item is not None:
+                    self.notes[event.item.id] = event.note
+                if event.answer is not None:
+                    done += 1
+                    self._take(event.answer, screen, width)
+                    if self.args.first and self._off(event.answer):
+                        return
+                    if time.monotonic() - saved > SAVE_S:
+                        self._keep()
+                        saved = time.monotonic()
+                screen.working(done, len(self.chosen), workers.at_work(), self.notes)
+
+    def _take(self, answer: Answer, screen: Screen, width: int) -> None:
+        item, entry = answer.item, answer.entry
+        if answer.problem is not None:
+            self._show_problems(screen, [answer.problem])
+            self.project.problems.append(answer.problem)
+        if entry is None:
+            return
+        self.results.update(merge(self.results, {item.section: [entry]}))
+        screen.result(item.section, entry, width)
+        if self.tables and entry.get("counterexample") and not standing(item.section, entry).code:
+            for row in terminal.changed_cells(entry):
+                screen.say(row.text, row.style)
+        if answer.vcd:
+            path = Path(self.args.vcd, f"{item.id}.vcd")
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(answer.vcd, encoding="utf-8")
+            screen.say(f"    waveform  {path}")
+
+    def _off(self, answer: Answer) -> bool:
+        return answer.entry is None or standing(answer.item.section, answer.entry).code != 0
+
+    def _show_problems(self, screen: Screen, problems: Iterable[Problem]) -> None:
+        for problem in problems:
+            screen.say(f"x {problem}", "bold red")
+            if self.args.traceback:
+                screen.say(problem.traceback.rstrip())
+
+    def _check(self, order: Order) -> None:
+        """Refuse settings that no model has or that are out of range, before anything runs."""
+        models = {id(m): m for m in (_model(self.project, item) for item in self.chosen) if m is not None}
+        for name in order.settings:
+            hit = [model for model in models.values() if fitting(model, {name: None})]  # type: ignore[dict-item]
+            if models and not hit:
+                self._refuse(list(models.values()), name)
+            for model in hit:
+                trace(model, fitting(model, order.settings))
+
+    def _refuse(self, models: Sequence[Any], name: str) -> None:
+        messages = []
+        for model in models:
+            try:
+                resolve(model, {name: None})
+            except ModelError as error:
+                messages.append(str(error))
+        raise CommandError(f"--set: {min(messages, key=lambda text: ('did you mean' not in text, len(text)))}")
+
+    def _command(self) -> str:
+        return " ".join(["rightside", *sys.argv[1:]])
+
+    def _keep(self) -> str:
+        """Keep the results for --lf, replay and report; why not, if so.  Those of a changed model are not kept."""
+        if self.args.settings:
+            return ""
+        return memory.keep(self.project.root, self.results, whole=not self.part and self.tables is None)
+
+    def _end(self) -> int:
+        problems = self.project.problems
+        if problems:
+            self.results["limits"] = [f"left out: {problem.file}:{problem.line}: {problem.message}" for problem in problems]
+        warning = self._keep()
+        if self.args.json:
+            write_json(self.results, self.args.json)
+        terminal.show(self.results, sys.stderr)
+        if warning:
+            print(warning, file=sys.stderr)
+        if problems:
+            names = sorted({problem.file for problem in problems})
+            print(f"exit 2: mend {', '.join(names)}; --traceback shows the whole way to the error", file=sys.stderr)
+        if self.interrupted:
+            left = len(self.chosen) - sum(len(self.results.get(section, ())) for section in NOUNS)
+            print(f"interrupted: {left} of {len(self.chosen)} have no result; the others are kept", file=sys.stderr)
+            return INTERRUPTED
+        code = exit_code(self.results)
+        return INPUT_ERROR if problems and code not in (INTERNAL, DISAGREE) else code
+
+
+def start(args: Namespace, sections: Sequence[str]) -> Session:
+    """Load the project and choose what to work on.  Raises CommandError or ProjectError."""
+    project = open_project(Path(args.project) if args.project else None)
+    project.load_proofs()
+    found = items(project, sections)
+    chosen = select(found, args, memory.last(project.root) if args.lf else {})
+    results = empty(**versions())
+    results["project"] = project.root.name
+    results["models"] = texts(project)
+    if args.settings:
+        results["settings"] = {name: str(value) for name, value in args.settings}
+    return Session(project, args, chosen, results)
+
+
+def texts(project: Project) -> list[dict[str, Any]]:
+    """The files that the results rest on, each with the hash of its text."""
+    return [
+        {"id": path.relative_to(project.root).as_posix(), "sha256": hashlib.sha256(path.read_bytes()).hexdigest()}
+        for folder in (MODELS, PROOFS)
+        for path in sorted((project.root / folder).rglob("*.py"))
+    ]
+
+
+def nothing(session: Session, sections: Sequence[str]) -> bool:
+    """Say so when nothing was selected; problems in files, if any, are shown instead."""
+    if session.chosen or session.project.problems:
+        return False
+    nouns = " or ".join(NOUNS[section] for section in sections)
+    where = f"{session.project.root / PROOFS} declares no {nouns}"
+    if session.part:
+        where = f"no {nouns} fit this selection; `rightside list` shows all"
+    print(f"nothing selected: {where}", file=sys.stderr)
+    return True
+
+
+def _model(project: Project, item: Item) -> Any:
+    from safety.commands.evaluate import find
+
+    match item.section:
+        case "claims":
+            return find(project.claims, item.id).model
+        case "trees":
+            return find(project.hazards, item.id).claim.model
+        case "campaigns":
+            model = find(project.campaigns, item.id).model
+            return model if isinstance(model, type) else None
+    return None

@@ -1,0 +1,125 @@
+"""What an injection comes to: its direction, whether it is detected, and the class that follows from both.
+
+| direction \\ detected | yes      | no                     |
+|-----------------------|----------|------------------------|
+| wrong side            | detected | dangerous_undetected   |
+| safe side             | detected | safe                   |
+| neutral               | detected | no_effect              |
+
+IEC 61508 divides otherwise: dangerous detected is wrong/yes, dangerous undetected wrong/no; safe is safe/yes, safe/no
+and neutral/yes (a detected fault brings the safe state though it does no harm); no effect, neutral/no, counts nowhere.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    import numpy.typing as npt
+
+    Lanes = npt.NDArray[Any]
+
+DIRECTIONS = ("neutral", "safe", "wrong")
+CLASSES = ("safe", "detected", "dangerous_undetected", "no_effect")
+CELLS = tuple(f"{direction}/{found}" for direction in DIRECTIONS for found in ("yes", "no"))
+_UNDETECTED = {"wrong/no": "dangerous_undetected", "safe/no": "safe", "neutral/no": "no_effect"}
+
+
+class Seen:
+    """What was counted in some runs side by side: `seen["o2"]` has the shape (blocks, runs), counts of frames."""
+
+    def __init__(self, counts: Mapping[str, Lanes], golden: Mapping[str, Lanes]) -> None:
+        self._counts, self._golden = counts, golden
+
+    def __getitem__(self, name: str) -> Lanes:
+        if name not in self._counts:
+            raise KeyError(f"{name!r} is not observed; there is {', '.join(self._counts)}")
+        return self._counts[name]
+
+    @property
+    def runs(self) -> int:
+        """How many runs stand side by side."""
+        return int(next(iter(self._counts.values())).shape[1])
+
+    def total(self, name: str) -> Lanes:
+        """Frames with the wire true over all measured blocks, one number a run."""
+        total: Lanes = self[name].sum(axis=0)
+        return total
+
+    def ever(self, name: str) -> Lanes:
+        """Whether the wire was true at the end of a measured frame, one truth value a run."""
+        return self.total(name) > 0
+
+    def healthy(self, name: str) -> int:
+        """`total` of the fault-free run."""
+        self[name]
+        return int(self._golden[name].sum())
+
+
+Judge = Callable[[Seen], Any]  # one truth value a run
+
+
+def judge(seen: Seen, wrong_side: Judge, safe_side: Judge | None, detected: Judge) -> list[str]:
+    """`direction/detected` of each run, e.g. "wrong/no"; a run on both sides counts as wrong."""
+    import numpy as np
+
+    wrong, found = (np.broadcast_to(j(seen), seen.runs) for j in (wrong_side, detected))
+    safe = np.broadcast_to(safe_side(seen) if safe_side else False, seen.runs)
+    direction = np.where(wrong, 2, np.where(safe, 1, 0))
+    return [f"{DIRECTIONS[d]}/{'yes' if f else 'no'}" for d, f in zip(direction.tolist(), found.tolist(), strict=True)]
+
+
+def class_of(cell: str) -> str:
+    """The class of a `direction/detected` cell."""
+    return _UNDETECTED.get(cell, "detected")
+
+
+@dataclass(frozen=True)
+class Tally:
+    """How many injections came to each cell."""
+
+    cells: Mapping[str, int]
+
+    @classmethod
+    def of(cls, cells: Sequence[str]) -> Tally:
+        """Count a list of cells."""
+        return cls(Counter(cells))
+
+    def __getitem__(self, cell: str) -> int:
+        return self.cells.get(cell, 0)
+
+    @property
+    def injections(self) -> int:
+        """All of them."""
+        return sum(self.cells.values())
+
+    @property
+    def classes(self) -> dict[str, int]:
+        """Counts of the four classes, in the order of `CLASSES`."""
+        counts = Counter[str]()
+        for cell, number in self.cells.items():
+            counts[class_of(cell)] += number
+        return {name: counts[name] for name in CLASSES}
+
+    @property
+    def safe(self) -> int:
+        """Safe failures in the sense of IEC 61508."""
+        return self["safe/yes"] + self["safe/no"] + self["neutral/yes"]
+
+    @property
+    def dangerous_detected(self) -> int:
+        """Dangerous failures that are detected."""
+        return self["wrong/yes"]
+
+    @property
+    def dangerous_undetected(self) -> int:
+        """Dangerous failures that are not."""
+        return self["wrong/no"]
+
+    @property
+    def table(self) -> dict[str, int]:
+        """The cells that occur, in the order of `CELLS`."""
+        return {cell: self[cell] for cell in CELLS if self[cell]}

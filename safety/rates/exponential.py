@@ -1,0 +1,59 @@
+"""Probabilities at a time by the matrix exponential in ball arithmetic (Arb): the second route beside uniformisation.
+
+Arb certifies every digit. Dense, so for chains of up to a hundred states or so. Rates per hour, times in hours.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from fractions import Fraction
+from typing import Any
+
+from safety.rates.enclosure import Enclosure
+from safety.rates.exceptions import NumericsFailed
+from safety.rates.markov import Chain
+from safety.rates.numeric import Transient
+from safety.rates.units import Rational, exact
+
+MOST_STATES = 200
+
+
+def transient_by_exponential(
+    chain: Chain, time: Rational, reward: Mapping[str, Rational] | None = None, bits: int = 512
+) -> Transient:
+    """What numeric.transient gives, by exp([[Q, reward], [0, 0]] time) with `bits` of working precision.
+
+    Raises ChainError, NotExact, and NumericsFailed above MOST_STATES states or when a ball comes out infinite.
+    """
+    import flint
+
+    reward, size = reward or {}, len(chain.states)
+    chain.check(*reward)
+    if size > MOST_STATES:
+        raise NumericsFailed(
+            f"{size} states are too many for a dense exponential (at most {MOST_STATES}); use numeric.transient"
+        )
+    end, index = exact(time, "time"), {s: i for i, s in enumerate(chain.states)}
+
+    def ball(value: Fraction) -> Any:
+        return flint.arb(flint.fmpq(value.numerator, value.denominator))
+
+    with flint.ctx.workprec(bits):
+        matrix = flint.arb_mat(size + 1, size + 1)
+        for (source, target), rate in chain.rates.items():
+            matrix[index[source], index[target]] = ball(rate * end)
+        for state, i in index.items():
+            matrix[i, i] = ball(-chain.exit_rate(state) * end)
+            matrix[i, size] = ball(exact(reward.get(state, 0), f"reward of {state!r}") * end)
+        result, start = matrix.exp(), index[chain.start]
+        row = [result[start, column] for column in range(size + 1)]
+        if not all(x.is_finite() for x in row):
+            raise NumericsFailed(f"{bits} bits are too few for this chain over {float(end):.3g} h; give more bits")
+        *states, total = [Enclosure(_end(x.lower()), _end(x.upper())) for x in row]
+    return Transient(dict(zip(chain.states, states, strict=True)), total)
+
+
+def _end(x: Any) -> Fraction:
+    """One end of a ball as a Fraction; not below 0, since neither a probability nor a reward is."""
+    mantissa, exponent = x.man_exp()
+    return max(Fraction(0), Fraction(int(mantissa)) * Fraction(2) ** int(exponent))

@@ -1,0 +1,139 @@
+"""The report as one HTML file: no request leaves it, no script runs in it, and it reads the same on paper."""
+
+from __future__ import annotations
+
+import hashlib
+import re
+from collections import Counter
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+from markupsafe import Markup
+
+from safety.report import results as documents
+from safety.report.bars_svg import CLASSES, classes_bar, interval_svg
+from safety.report.gaps import gaps, parameters
+from safety.report.numbers import TAGS, clean, faults_text, number
+from safety.report.schema import SECTIONS, Entry
+from safety.report.standing import WORDS, exit_code, judge, standing
+from safety.report.timing_svg import timing_svg
+from safety.report.trace import Trace
+from safety.report.tree_svg import tree_svg
+
+TEMPLATES = Path(__file__).parent / "templates"
+VERDICTS = ("proved", "bounded", "vacuous", "refuted", "undecided")
+CELLS = 12  # ticks in a table of changed cells
+LISTED = 40  # cut sets and events of a tree; results.json may have more
+MEASURES = ("fussell_vesely", "birnbaum", "criticality", "risk_achievement_worth", "risk_reduction_worth")
+SHOWN = 8  # items of a gap that stand open; the rest unfolds
+
+
+def html(results: documents.Results, timings: bool = False) -> str:
+    """The whole page. With timings it also shows seconds, solver versions and runs, and is no longer reproducible."""
+    fixed = documents.canonical(results)
+    shown = documents.merge({section: [] for section in SECTIONS}, results) if timings else fixed
+    shown = shown | {"parameters": parameters(shown)}
+    page = (
+        _environment(shown)
+        .get_template("report.html.j2")
+        .render(
+            results=shown,
+            timings=timings,
+            title=shown.get("project") or "Safety evidence",
+            code=exit_code(shown),
+            judged=list(judge(shown)),
+            gaps=gaps(shown),
+            models=_models(shown.get("claims", [])),
+            verdicts=Counter(claim["verdict"] for claim in shown.get("claims", ())),
+            refuted=[claim for claim in shown.get("claims", ()) if claim.get("counterexample")],
+            digest=hashlib.sha256(documents.dumps(fixed).encode()).hexdigest(),
+        )
+    )
+    return clean(page)
+
+
+def slugs(entries: Iterable[Entry]) -> list[str]:
+    """A name for each entry that is fit for files and anchors, and unique even where case does not count."""
+    taken: set[str] = set()
+    names = []
+    for entry in entries:
+        name = slug = re.sub(r"[^A-Za-z0-9_.]+", "-", "-".join(filter(None, documents.key(entry)))).strip("-.") or "x"
+        count = 1
+        while slug.casefold() in taken:
+            count += 1
+            slug = f"{name}-{count}"
+        taken.add(slug.casefold())
+        names.append(slug)
+    return names
+
+
+def picture(tree: Entry) -> str:
+    """A fault tree as SVG, empty without a structure; ResultsError when the structure is none."""
+    try:
+        return tree_svg(tree)
+    except (AttributeError, KeyError, RecursionError, TypeError, ValueError) as bad:
+        raise documents.ResultsError(f"trees ({tree['id']}): structure: cannot be drawn: {bad}") from None
+
+
+def _environment(results: documents.Results) -> Environment:
+    environment = Environment(
+        loader=FileSystemLoader(TEMPLATES),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    anchors = {
+        (section, *documents.key(entry)): f"{section}-{slug}"
+        for section in SECTIONS
+        for entry, slug in zip(results.get(section, ()), slugs(results.get(section, ())), strict=True)
+    }
+    environment.filters["number"] = number
+    environment.filters["faults"] = faults_text
+    environment.globals.update(
+        anchor=lambda section, entry: anchors[section, *documents.key(entry)],
+        standing=standing,
+        words=WORDS,
+        all_verdicts=VERDICTS,
+        classes=CLASSES,
+        tags=TAGS,
+        shown=SHOWN,
+        listed=LISTED,
+        measures=MEASURES,
+        clock=_clock,
+        status=_status,
+        table=lambda counterexample: Trace(counterexample).table(CELLS),
+        style=Markup("\n".join((TEMPLATES / name).read_text(encoding="utf-8") for name in ("style.css", "timing.css"))),
+        timing=lambda claim, ident: Markup(
+            timing_svg(claim["counterexample"], f"Counterexample to {claim['id']}", ident)
+        ),
+        bar=lambda campaign, ident: Markup(classes_bar(campaign["classes"], ident)),
+        interval=lambda *values, **options: Markup(interval_svg(*values, **options)),
+        tree_picture=lambda tree: Markup(picture(tree)),
+    )
+    return environment
+
+
+def _models(claims: list[Entry]) -> dict[str, list[Entry]]:
+    """Claims by model, each twin right below the claim that it belongs to."""
+    models: dict[str, list[Entry]] = {}
+    for claim in sorted(claims, key=_beside_its_twin):
+        models.setdefault(claim["model"], []).append(claim)
+    return models
+
+
+def _beside_its_twin(claim: Entry) -> tuple[str, str, bool, str]:
+    return claim["model"], claim.get("twin_of") or claim["id"], bool(claim.get("twin_of")), claim["id"]
+
+
+def _status(tree: Entry, cut_set: Entry) -> str:
+    """Whether a cut set was replayed on the model; said by the set itself, or by the cut sets found on the model."""
+    found = {frozenset(found["faults"]): found["status"] for found in tree.get("cut_sets", ())}
+    return str(cut_set.get("status") or found.get(frozenset(cut_set["events"])) or "from the tree")
+
+
+def _clock(clock: Mapping[str, str] | None) -> str:
+    if not clock:
+        return "clock not stated"
+    return f"one step = {clock['tick_s']} s" if "tick_s" in clock else f"one step at each {clock['event']}"

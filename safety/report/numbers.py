@@ -1,0 +1,57 @@
+"""Numbers, units and tags as an engineer writes them."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from typing import Any
+
+UNKNOWN = "unknown"
+TAGS = {"P": "printed", "D": "derived", "A": "assumed", "R": "reconstructed"}
+_SUPER = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+_TAG = re.compile(r"\[([PDAR])\]")
+
+
+def number(value: Any, digits: int = 4) -> str:
+    """4312500 -> 4 312 500, 2.77778e-05 -> 2.778 × 10⁻⁵, "inf" -> ∞, None -> unknown; anything else as it is."""
+    if value is None:
+        return UNKNOWN
+    if value == "inf" or value == float("inf"):
+        return "∞"
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, int):
+        return _grouped(str(value))
+    if not isinstance(value, float):
+        return str(value)
+    mantissa, exponent = f"{value:.{digits - 1}e}".split("e")
+    if value == 0 or -3 <= int(exponent) < 6:
+        plain = f"{value:.{max(0, digits - 1 - int(exponent))}f}" if value else "0"
+        whole, _, part = plain.partition(".")
+        part = part.rstrip("0")
+        return _grouped(whole) + (f".{part}" if part else "")
+    return f"{mantissa.rstrip('0').rstrip('.').replace('-', '−')} × 10{str(int(exponent)).translate(_SUPER)}"
+
+
+def faults_text(faults: str | Mapping[str, Any] | None) -> str:
+    """A fault budget in words: "at most 1 of 12"."""
+    if faults is None or isinstance(faults, str):
+        return faults or "none"
+    if not faults["of"] or not faults["most"]:
+        return "none"
+    return f"at most {faults['most']} of {len(faults['of'])}"
+
+
+def tags_of(text: str) -> set[str]:
+    """The source tags in a text: "[A] the window is 0.5 s" has A."""
+    return set(_TAG.findall(text))
+
+
+def clean(text: str) -> str:
+    """What XML and HTML cannot hold (control characters, lone surrogates) becomes U+FFFD."""
+    return re.sub("[\x00-\x08\x0b\x0c\x0e-\x1f\x7f\ud800-\udfff\ufffe\uffff]", "\ufffd", text)
+
+
+def _grouped(digits: str) -> str:
+    sign, digits = ("−", digits[1:]) if digits.startswith("-") else ("", digits)
+    return sign + (f"{int(digits):,}".replace(",", "\u202f") if len(digits) > 4 else digits)

@@ -1,0 +1,301 @@
+"""The shape of a results document, "rightside/1": what every command writes with --json and every report reads.
+
+A document is plain dicts and lists; the classes below say what the keys hold, for the type checker and for
+`msgspec.convert`. Keys may be added freely and are kept; none is ever renamed. Integers are exact at any size, "inf" is
+infinity, None is unknown, and an "exact" key holds a rational "p/q" beside the double. Tags say where a value comes
+from: P printed in the source, D derived, A assumed, R reconstructed.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal, Required, TypedDict
+
+import msgspec
+
+SCHEMA = "rightside/1"
+JUDGED = ("claims", "campaigns", "trees", "rates", "figures")  # sections whose entries are as asked or not
+SECTIONS = (*JUDGED, "parameters", "requirements", "models")  # all sections: lists of entries, each with an id
+
+Number = int | float | Literal["inf"] | None
+Verdict = Literal["proved", "bounded", "vacuous", "refuted", "undecided"]
+FigureVerdict = Literal["confirmed", "rounding", "misprint", "inconsistent", "not derivable", "assumed"]
+Tag = Literal["P", "D", "A", "R", ""]
+Seconds = Annotated[str, msgspec.Meta(pattern=r"^\d+(\.\d+)?(/[1-9]\d*)?$")]  # exact: "1/8000", "0.5"
+Entry = dict[str, Any]  # one result, as read
+
+
+class Signal(TypedDict, total=False):
+    """One named point of the model over the ticks of a trace."""
+
+    path: Required[str]
+    kind: Literal["bit", "number"]
+    unit: str
+    values: Required[
+        list[bool | int | float | str | None]
+    ]  # from first_tick on; None: any value; a str: an exact rational
+
+
+class Counterexample(TypedDict, total=False):
+    """A trace on which a claim is false."""
+
+    steps: Required[int]
+    tick_s: Seconds | None  # None: the clock is an event
+    violated_at: Required[int | None]
+    replayed: Required[bool]
+    faults: list[str]
+    fault_onset: int | None  # the first tick with a fault; absent: not said
+    first_tick: int  # the tick of the first value of each signal
+    signals: Required[list[Signal]]
+    replay: str  # the command that shows it again
+    vcd: str | None  # relative to the report folder
+
+
+class Strength(TypedDict, total=False):
+    """How far a verdict reaches: {"kind": "bounded", "steps": 4096}."""
+
+    kind: str | None
+    steps: int | None
+
+
+class Reached(TypedDict):
+    """Where a claim's premise first holds; None where it was not seen to hold."""
+
+    premise_reached_at: int | None
+
+
+class Budget(TypedDict):
+    """How many faults at most, of which."""
+
+    most: int
+    of: list[str]
+
+
+class Setting(TypedDict, total=False):
+    """A parameter as a claim used it; its source begins with the tag."""
+
+    name: Required[str]
+    value: Any
+    unit: str
+    low: Any
+    high: Any
+    source: str
+
+
+class Claim(TypedDict, total=False):
+    """A sentence about a model, the verdict its author expects and the one it got."""
+
+    id: Required[str]
+    model: Required[str]
+    statement: str
+    role: Literal["claim", "twin", "lemma", "refinement", "cover"]
+    twin_of: str | None
+    requirement: str | None
+    source: str | None
+    expect: Required[Verdict]
+    verdict: Required[Verdict]
+    as_expected: bool
+    strength: Strength | None
+    why: str | None  # the verdict is not the one hoped for
+    faults: str | Budget | None
+    method: str | None
+    user_lemmas: int | list[str] | None
+    certificate: str | dict[str, Any] | None
+    agreed_by: list[str] | None
+    disagreed_by: list[str] | None  # engines with another verdict
+    tags: list[Tag]
+    parameters: list[Setting]
+    assumptions: list[str]
+    clock: dict[str, str] | None  # {"tick_s": "1/8000"} or {"event": "..."}
+    power_up: str | None
+    vacuity: Reached | None  # None: the claim has no premise
+    counterexample: Counterexample | None
+    seconds: Number
+    error: str | None  # an internal error met while working on it
+
+
+class Mode(TypedDict, total=False):
+    """One row of a failure-mode table: what became of the faults of one mode of one part."""
+
+    part: Required[str]
+    mode: Required[str]
+    faults: int
+    rate_per_h: Number
+    safe: int
+    detected: int
+    dangerous_undetected: int
+    no_effect: int
+    tag: Tag
+
+
+class Group(TypedDict):
+    """Counts by group of faults, under free headings such as "safe/yes"."""
+
+    group: str
+    counts: dict[str, int]
+
+
+class Classes(TypedDict):
+    """How many injections ended in each class."""
+
+    safe: int
+    detected: int
+    dangerous_undetected: int
+    no_effect: int
+
+
+class Interval(TypedDict, total=False):
+    """An estimate; low and high are the limits of its confidence interval."""
+
+    value: Number
+    low: Number
+    high: Number
+    exact: str
+
+
+class Campaign(TypedDict, total=False):
+    """A set of injected faults and what became of them."""
+
+    id: Required[str]
+    model: str
+    faults: str | None
+    injections: Required[int]
+    exhaustive: Required[bool]
+    expect: dict[str, Any]  # {"exhaustive": false} where a sample was asked for
+    as_expected: bool
+    classes: Required[Classes]
+    diagnostic_coverage: Interval | None
+    safe_failure_fraction: Number | Interval
+    fmeda: list[Mode]
+    groups: list[Group]
+    latency: Any
+    seconds: Number
+    injections_per_second: Number
+    error: str | None
+
+
+class Found(TypedDict, total=False):
+    """A cut set found on a model: confirmed by replay, or a candidate."""
+
+    faults: Required[list[str]]
+    status: Required[Literal["confirmed", "candidate"]]
+    steps: int | None
+
+
+class Importance(TypedDict, total=False):
+    """What one basic event does to the top event; further measures under their names."""
+
+    event: Required[str]
+    probability: Number
+    source: Tag
+
+
+class CutSet(TypedDict, total=False):
+    """Events that together cause the top event."""
+
+    events: Required[list[str]]
+    probability: Number
+    status: Literal["confirmed", "candidate"]  # replayed on the model, or not; absent where no model is behind the tree
+
+
+class CutSets(TypedDict, total=False):
+    """The minimal cut sets: all counted, the smallest listed."""
+
+    count: int | None
+    by_order: dict[str, int]
+    sets: list[CutSet]
+    not_listed: int
+
+
+class Tree(TypedDict, total=False):
+    """A fault tree, solved."""
+
+    id: Required[str]
+    source: str | None
+    gates: int | None
+    basic_events: int | None
+    probability: Number
+    probability_low: Number
+    probability_high: Number
+    target: Number
+    met: bool | None
+    minimal_cut_sets: CutSets | None
+    importance: list[Importance]
+    cut_sets: list[Found]  # as found on a model
+    complete_to_order: int | None  # of these
+    complete_at_all_orders: bool
+    structure: dict[str, Any]  # the tree itself, in the fault-tree format of safety.trees.json_form
+    as_expected: bool
+    seconds: Any
+    error: str | None
+
+
+class Rate(TypedDict, total=False):
+    """A rate, a mean time or another reliability figure, against its target."""
+
+    id: Required[str]
+    quantity: Required[str]
+    value: Number
+    low: Number
+    high: Number
+    exact: str
+    unit: str | None
+    method: str | None
+    source: str | None
+    target: Number
+    met: bool | None
+    agree: bool | None  # False: two independent routes differ
+    as_expected: bool
+    error: str | None
+
+
+class Figure(TypedDict, total=False):
+    """A figure printed in a source, recomputed."""
+
+    id: Required[str]
+    paper: str | None
+    where: str | None
+    printed: Any
+    recomputed: Any
+    unit: str | None
+    verdict: Required[FigureVerdict]
+    note: str | None
+    as_expected: bool
+    error: str | None
+
+
+class Parameter(TypedDict, total=False):
+    """A value that a model was given."""
+
+    id: Required[str]
+    model: str
+    value: Any
+    unit: str
+    low: Any
+    high: Any
+    tag: Tag
+    note: str
+
+
+class Named(TypedDict, total=False):
+    """An entry of which only the id is required."""
+
+    id: Required[str]
+
+
+class Document(TypedDict, total=False):
+    """The whole."""
+
+    schema: Required[Literal["rightside/1"]]
+    project: str
+    tool: dict[str, Any]
+    claims: list[Claim]
+    campaigns: list[Campaign]
+    trees: list[Tree]
+    rates: list[Rate]
+    figures: list[Figure]
+    parameters: list[Parameter]
+    requirements: list[Named]  # {"id", "text"}
+    models: list[Named]  # {"id", "sha256", "source"}
+    limits: list[str]  # what the tools could not do in this run
+    runs: list[dict[str, Any]]  # what was run, where and how long: never part of a committed report
+    interrupted: bool

@@ -1,0 +1,130 @@
+"""What `verify` says at its end: the unexpected first, with the trace's changed cells, then counts."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Mapping
+from typing import Any, NamedTuple, TextIO
+
+from safety.report.numbers import clean
+from safety.report.schema import JUDGED, Entry
+from safety.report.standing import WORDS, WORST_FIRST, exit_code, judge
+from safety.report.trace import Trace
+
+WIDTH = 118
+CELLS = 8  # ticks in a table of changed cells
+SIGNALS = 20
+UNEXPECTED = 20  # results told in full
+
+
+class Line(NamedTuple):
+    """A line of text and how a terminal shows it."""
+
+    text: str
+    style: str = ""  # rich's words; only a terminal shows them
+
+
+def show(results: Mapping[str, Any], stream: TextIO) -> None:
+    """Print the summary; in colour only where the stream is a terminal."""
+    lines = summary(results)
+    if not stream.isatty():
+        encoding = getattr(stream, "encoding", None) or "utf-8"
+        text = "".join(f"{line.text}\n" for line in lines)
+        stream.write(text.encode(encoding, "replace").decode(encoding))
+        return
+    from rich.console import Console
+    from rich.text import Text
+
+    console = Console(file=stream, highlight=False, soft_wrap=True)
+    for line in lines:
+        console.print(Text(line.text, style=line.style))
+
+
+def summary(results: Mapping[str, Any]) -> list[Line]:
+    """All lines: first each result that is not as asked, then counts and the exit code."""
+    return [*_unexpected(results), *_counts(results)]
+
+
+def _unexpected(results: Mapping[str, Any]) -> Iterator[Line]:
+    off = sorted((it for it in judge(results) if it.standing.code), key=lambda it: WORST_FIRST.index(it.standing.code))
+    for section, entry, standing in off[:UNEXPECTED]:
+        head = str(entry["verdict"] if section == "claims" else WORDS[standing.code]).upper()
+        yield Line(_fit(f"x {head:<10} {entry['id']}  {entry.get('requirement') or ''}".rstrip()), "bold red")
+        yield Line(_fit(f"    {standing.reason}"), "red")
+        if entry.get("statement"):
+            yield Line(_fit(f"    {entry['statement']}"))
+        if entry.get("counterexample"):
+            yield from changed_cells(entry)
+        yield Line("")
+    if len(off) > UNEXPECTED:
+        yield Line(f"  and {len(off) - UNEXPECTED} more results that are not as asked", "red")
+
+
+def changed_cells(claim: Entry) -> Iterator[Line]:
+    """The counterexample as a table: a star at each changed cell, the violated tick named in the head."""
+    counterexample = claim["counterexample"]
+    trace = Trace(counterexample)
+    table = trace.table(CELLS)
+    yield Line(_fit(f"    faults  {'; '.join(counterexample.get('faults') or ['none'])}"))
+    if not table.ticks:
+        return
+    heads = [f"!{tick}" if tick == table.violated else str(tick) for tick in table.ticks]
+    rows = [
+        (_tail(row.lane.path, 30), [f"*{c.text}" if c.changed else c.text for c in row.cells])
+        for row in table.rows[:SIGNALS]
+    ]
+    label = max(len(name) for name, _ in [("tick", []), *rows])
+    widths = [max(len(_cell(texts[n])) for texts in [heads, *(cells for _, cells in rows)]) for n in range(len(heads))]
+    for name, texts in [("tick", heads), *rows]:
+        cells = "  ".join(_cell(text).rjust(width) for text, width in zip(texts, widths, strict=True))
+        yield Line(f"    {_flat(name):<{label}}  {cells}", "bold" if name == "tick" else "")
+    notes = [_many(len(table.rows) - SIGNALS, "more signal")] * (len(table.rows) > SIGNALS)
+    notes += [f"{_many(table.left_out, 'earlier change')} after tick {table.ticks[0]}"] * bool(table.left_out)
+    if table.violated is not None:
+        yield Line(
+            _fit(f"    * changed   ! violates {claim['id']}" + "".join(f"   ({note} not shown)" for note in notes)),
+            "red",
+        )
+    if counterexample.get("replay"):
+        yield Line(_fit(f"    next    {counterexample['replay']}"))
+
+
+def _counts(results: Mapping[str, Any]) -> Iterator[Line]:
+    verdicts = Counter(claim["verdict"] for claim in results.get("claims", ()))
+    if verdicts:
+        as_must = sum(claim["verdict"] == claim["expect"] == "refuted" for claim in results["claims"])
+        words = [
+            f"{count} {verdict}" + (f" ({as_must} as they must be)" if verdict == "refuted" else "")
+            for verdict, count in sorted(verdicts.items())
+        ]
+        yield Line(f"{_many(len(results['claims']), 'claim')}: {', '.join(words)}")
+    for campaign in results.get("campaigns", ()):
+        classes = ", ".join(f"{count} {name.replace('_', ' ')}" for name, count in campaign["classes"].items())
+        kind = "exhaustive" if campaign["exhaustive"] else "sampled"
+        yield Line(_fit(f"{campaign['id']}: {campaign['injections']} injections, {kind}: {classes}"))
+    others = [_many(len(results[section]), section.removesuffix("s")) for section in JUDGED[2:] if results.get(section)]
+    if others:
+        yield Line(", ".join(others))
+    code = exit_code(results)
+    yield Line(f"exit {code}: {WORDS[code]}", "bold green" if code == 0 else "bold red")
+
+
+def _many(count: int, noun: str) -> str:
+    return f"{count} {noun}" if count == 1 else f"{count} {noun}s"
+
+
+def _fit(text: str) -> str:
+    text = _flat(text)
+    return text if len(text) <= WIDTH else text[: WIDTH - 3] + "..."
+
+
+def _flat(text: str) -> str:
+    return clean(text).translate(dict.fromkeys(map(ord, "\n\r\t"), " "))
+
+
+def _tail(text: str, room: int) -> str:
+    return text if len(text) <= room else "..." + text[3 - room :]
+
+
+def _cell(text: str) -> str:
+    return _tail(_flat(text), 12)

@@ -1,0 +1,118 @@
+"""The project's own JSON form of a fault tree.
+
+One object. Numbers are decimals or "p/q" strings and are kept exactly; an absent key is an empty or unknown value:
+
+    {"format": "rightside/fault-tree/1", "name": "Wrong-side permit", "top": "G0", "mission_time_h": "8760",
+     "gates":        [{"name": "G0", "kind": "vote", "k": 2, "inputs": ["A", "B", "C"], "description": "..."}],
+     "basic_events": [{"name": "A", "probability": "1/1000", "description": "...", "source": "P"},
+                      {"name": "B", "rate_per_hour": "1e-6", "mission_time_h": "10", "source": "A"}],
+     "house_events": [{"name": "C", "state": true}]}
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Sequence
+from fractions import Fraction
+from typing import Any
+
+from safety.trees.draft import Draft, at
+from safety.trees.tree import BasicEvent, FaultTree, Gate, HouseEvent, Node, TreeError, exact
+
+FORMAT = "rightside/fault-tree/1"
+NUMBER = (str, int)  # numbers with a point arrive as their text, so that nothing is rounded
+QUANTITIES = {"probability": NUMBER, "rate_per_hour": NUMBER, "mission_time_h": NUMBER}
+TEXTS = {"name": str, "description": str}
+Keys = dict[str, Any]  # the types each key may have
+DOCUMENT: Keys = TEXTS | {
+    "format": str,
+    "top": str,
+    "mission_time_h": NUMBER,
+    "gates": list,
+    "basic_events": list,
+    "house_events": list,
+}
+ENTRIES: dict[str, tuple[type[Gate | BasicEvent | HouseEvent], Keys]] = {
+    "gates": (Gate, TEXTS | {"kind": str, "k": int, "inputs": list, "inside": str}),
+    "basic_events": (BasicEvent, TEXTS | QUANTITIES | {"source": str}),
+    "house_events": (HouseEvent, TEXTS | {"state": bool}),
+}
+REQUIRED = {"gates": ("name", "kind", "inputs"), "basic_events": ("name",), "house_events": ("name", "state")}
+
+
+def to_document(tree: FaultTree) -> dict[str, Any]:
+    """`tree` as the JSON object above, ready for json.dumps, numbers as exact text; `read_json` takes it back."""
+    head = {"format": FORMAT} | _written(tree, ("name", "top", "description", "mission_time_h"))
+    lists: dict[str, Sequence[Node]] = {
+        "gates": tree.gates,
+        "basic_events": tree.events,
+        "house_events": tree.house_events,
+    }
+    return head | {
+        section: [_written(node, tuple(ENTRIES[section][1])) for node in nodes] for section, nodes in lists.items()
+    }
+
+
+def _written(node: Node | FaultTree, keys: tuple[str, ...]) -> dict[str, Any]:
+    values = {key: getattr(node, key) for key in keys}
+    return {
+        key: str(value) if isinstance(value, Fraction) else list(value) if isinstance(value, tuple) else value
+        for key, value in values.items()
+        if value not in (None, "")
+    }
+
+
+def read_json(text: bytes, file: str, mission_time_h: Fraction | None = None) -> Draft:
+    """The definitions in a JSON text; `mission_time_h` replaces that of the file.
+
+    Raises TreeError with file and line.
+    """
+    try:
+        content = text.decode("utf-8-sig")
+        document = json.loads(content, parse_float=str, parse_constant=str)
+    except json.JSONDecodeError as error:
+        raise TreeError(
+            f"{file}:{error.lineno}: not JSON ({error.msg}, column {error.colno}); correct it there"
+        ) from None
+    except ValueError as error:
+        raise TreeError(f"{file}: not JSON in UTF-8 ({error}); correct it") from None
+
+    def place(name: object) -> str:
+        definitions = list(re.finditer(r'"name"\s*:\s*' + re.escape(json.dumps(name, ensure_ascii=False)), content))
+        return f"{file}:{content.count(chr(10), 0, definitions[-1].start()) + 1}" if definitions else file
+
+    with at(f"{file}:1"):
+        _check(document, "the document", DOCUMENT, ("format", "name", "top", "gates"))
+        if document["format"] != FORMAT:
+            raise TreeError(f'the format is "{document["format"]}", expected "{FORMAT}"; convert the file')
+        time = mission_time_h
+        if time is None and "mission_time_h" in document:
+            time = exact(document["mission_time_h"], "mission_time_h")
+    draft = Draft(file, document["name"], document["top"], document.get("description", ""), time)
+    for section, (node, keys) in ENTRIES.items():
+        for number, entry in enumerate(document.get(section, []), 1):
+            where = place(entry.get("name")) if isinstance(entry, dict) else file
+            with at(where):
+                _check(entry, f"entry {number} of {section}", keys, REQUIRED[section])
+                draft.add(node(**entry), where)
+    return draft
+
+
+def _check(entry: object, what: str, keys: Keys, required: tuple[str, ...]) -> None:
+    """That `entry` is an object with the required keys, no unknown ones, and values of the right types."""
+    if not isinstance(entry, dict):
+        raise TreeError(f"{what} is {json.dumps(entry)[:40]}, expected an object {{...}}; correct it")
+    for key in required:
+        if key not in entry:
+            raise TreeError(f'{what} has no "{key}"; add it')
+    for key, value in entry.items():
+        if key not in keys:
+            raise TreeError(f'{what} has the unknown key "{key}", expected {", ".join(keys)}; correct or remove it')
+        if not isinstance(value, keys[key]) or (isinstance(value, bool) and keys[key] is not bool):
+            expected = " or ".join(
+                kind.__name__ for kind in (keys[key] if isinstance(keys[key], tuple) else (keys[key],))
+            )
+            raise TreeError(f'"{key}" of {what} is {json.dumps(value)[:40]}, expected {expected}; correct it')
+        if key == "inputs" and not all(isinstance(name, str) for name in value):
+            raise TreeError(f'"inputs" of {what} holds something else than names; list names only')

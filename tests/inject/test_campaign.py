@@ -1,0 +1,233 @@
+"""A campaign from declaration to results entry: classes, fractions, expectations, failure modes, replay, interruption."""
+
+from __future__ import annotations
+
+import csv
+import json
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import msgspec
+import pytest
+
+from safety.faults import Fault, flip, stuck
+from safety.inject import Campaign, CampaignError, Group, Seen, campaigns, stuck_bits, write_csv
+from safety.inject import classes as classes_module
+from safety.report.schema import Campaign as Entry
+from safety.report.standing import standing
+
+Make = Callable[..., Campaign]
+
+
+def test_every_injection_comes_to_a_class(campaign: Make) -> None:
+    entry = campaign().run()
+    assert entry["classes"] == {"safe": 2, "detected": 6, "dangerous_undetected": 2, "no_effect": 0}
+    assert entry["cells"] == {"safe/yes": 4, "safe/no": 2, "wrong/yes": 2, "wrong/no": 2}
+    assert entry["groups"] == [
+        {"group": "count", "counts": {"safe/yes": 4, "safe/no": 1, "wrong/yes": 2, "wrong/no": 1}},
+        {"group": "lamp", "counts": {"safe/no": 1, "wrong/no": 1}},
+    ]
+
+
+def test_coverage_and_safe_failure_fraction_are_those_of_the_standard(campaign: Make) -> None:
+    entry = campaign().run()
+    assert entry["diagnostic_coverage"] == {"value": 0.5, "low": 0.5, "high": 0.5, "exact": "1/2"}  # 2 of 4 dangerous
+    assert entry["safe_failure_fraction"] == 0.8  # 6 safe and 2 dangerous detected of 10
+    assert entry["detected_of_all"]["exact"] == "3/5"
+
+
+def test_a_sample_has_an_interval_and_is_not_exhaustive(campaign: Make) -> None:
+    whole, part = campaign().inject(), campaign(sample=6, seed=3).inject()
+    found = part.diagnostic_coverage
+    assert found is not None and found.exact is None and found.low <= 0.5 <= found.high
+    assert whole.exhaustive and not part.exhaustive
+    assert part.to_json()["expect"] == {"exhaustive": False}
+
+
+def test_the_entry_has_the_keys_of_the_results_document(campaign: Make) -> None:
+    entry = campaign().run()
+    keys = {"id", "model", "faults", "injections", "exhaustive", "classes", "diagnostic_coverage"}
+    keys |= {"safe_failure_fraction", "seconds", "injections_per_second", "fmeda", "groups", "expected", "as_expected"}
+    assert keys <= entry.keys()
+    msgspec.convert(json.loads(json.dumps(entry)), Entry)
+
+
+# --- as declared -------------------------------------------------------------------------------------------------------
+
+
+def test_a_count_other_than_declared_is_a_failure(campaign: Make) -> None:
+    right = campaign(expect={"detected": 6, "wrong/no": 2}).run()
+    wrong = campaign(expect={"detected": 5, "wrong/no": 2}).run()
+    assert (right["as_expected"], right["surprises"]) == (True, [])
+    assert (wrong["as_expected"], wrong["surprises"]) == (False, ["all: 6 detected, expected 5"])
+    assert standing("campaigns", wrong).reason == "all: 6 detected, expected 5"
+
+
+@pytest.mark.parametrize(
+    ("expect", "surprise"),
+    [
+        ({"safe/no": 1, "wrong/no": 1}, []),
+        ({"safe/no": 2}, ["lamp: 0 wrong/no, expected 1", "lamp: 1 safe/no, expected 2"]),
+        ({"wrong/no": 1}, ["lamp: 1 safe/no, expected 0"]),
+    ],
+)
+def test_a_group_other_than_declared_is_a_failure(campaign: Make, expect: dict[str, int], surprise: list[str]) -> None:
+    result = campaign(faults=[Group("lamp", stuck_bits("lit"), expect=expect)]).inject()
+    assert sorted(result.surprises()) == surprise
+
+
+def test_a_wrong_class_rule_changes_the_result(campaign: Make, monkeypatch: pytest.MonkeyPatch) -> None:
+    declared = campaign(expect={"safe": 2, "dangerous_undetected": 2})
+    assert declared.inject().surprises() == []
+    monkeypatch.setitem(classes_module._UNDETECTED, "wrong/no", "safe")
+    assert declared.inject().surprises() == ["all: 4 safe, expected 2", "all: 0 dangerous_undetected, expected 2"]
+
+
+def test_a_run_on_both_sides_is_wrong(campaign: Make) -> None:
+    everything = campaign(safe_side=lambda seen: seen["lit"].min(axis=0) != 8)
+    assert everything.inject().tally["wrong/no"] == 2
+
+
+# --- refusals ----------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"measured": 65}, "65 measured frames do not divide into blocks of 16"),
+        ({"run_in": -1}, "run_in=-1"),
+        ({"expect": {"detcted": 1}}, "expect names 'detcted'; did you mean detected"),
+        ({"faults": [Group("g", stuck_bits("lit")), Fault(flip(), ["lit"])]}, "groups or faults, not both"),
+        ({"faults": []}, "no fault"),
+        ({"constant": {"rnu": True}}, "no input 'rnu'; did you mean run"),
+        ({"constant": {"run": 3}}, "input run is bit: 3 is not a value"),
+        ({"stimulus": {}}, "frame 0 lacks the input run"),
+        ({"stimulus": {"run": True, "go": True}}, "names 'go', which is no open input; the inputs are run"),
+        ({"stimulus": {"run": 1}}, "frame 0: input run is bit: 1 is not a value"),
+        ({"observe": {"lit": "lit", "alarm": "count"}}, "'alarm' observes a u4; write a comparison"),
+        ({"wrong_side": lambda seen: seen.total("lit") > 0}, "fault-free run is judged wrong/no"),
+        ({"detected": lambda seen: True}, "fault-free run is judged neutral/yes"),
+    ],
+)
+def test_a_declaration_that_cannot_be_meant_is_refused(campaign: Make, changes: Any, message: str) -> None:
+    with pytest.raises(CampaignError, match=message):
+        campaign(**changes).inject()
+
+
+def test_a_wire_that_is_not_observed_is_named(campaign: Make) -> None:
+    with pytest.raises(KeyError, match="'lamp' is not observed; there is lit, alarm"):
+        campaign(detected=lambda seen: seen.ever("lamp")).inject()
+
+
+# --- failure modes -----------------------------------------------------------------------------------------------------
+
+
+def rated(rate: str | None = "2e-8") -> list[Group]:
+    return [
+        Group("count", stuck_bits("count"), "counter", "bit stuck", "8e-8", "[A] invented"),
+        Group("lamp", stuck_bits("lit"), "driver", "stuck", rate, "[A] invented"),
+    ]
+
+
+def test_rates_are_divided_by_what_was_found(campaign: Make) -> None:
+    entry = campaign(faults=rated()).run()
+    first = entry["fmeda"][0]
+    assert [first[k] for k in ("part", "mode", "faults", "tag")] == ["counter", "bit stuck", 8, "A"]
+    assert [first[k] for k in ("lambda_s", "lambda_dd", "lambda_du")] == [5e-8, 2e-8, 1e-8]
+    assert entry["by_rate"]["diagnostic_coverage"]["exact"] == "1/2"  # 2e-8 of 2e-8 + 1e-8 + 1e-8
+    assert entry["by_rate"]["safe_failure_fraction"]["exact"] == "4/5"
+
+
+def test_without_rates_nothing_is_weighted(campaign: Make) -> None:
+    entry = campaign().run()
+    assert entry["by_rate"] is None
+    assert entry["fmeda"][0]["lambda_du"] is None
+
+
+def test_a_mode_without_weight_fails(campaign: Make) -> None:
+    with pytest.raises(CampaignError, match="'lamp' has the rate 0 /h and would weigh nothing"):
+        campaign(faults=rated("0")).run()
+    with pytest.raises(CampaignError, match="'lamp' has no failure rate, others have"):
+        campaign(faults=rated(None)).run()
+
+
+def test_the_table_is_written_as_csv(campaign: Make, tmp_path: Path) -> None:
+    write_csv(campaign(faults=rated()).inject().rows, tmp_path / "fmeda.csv")
+    with (tmp_path / "fmeda.csv").open(encoding="utf-8", newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert [row["part"] for row in rows] == ["counter", "driver"]
+    assert rows[1]["rate_per_h"] == "2e-08" and rows[1]["tag"] == "A"
+
+
+# --- runs --------------------------------------------------------------------------------------------------------------
+
+
+def test_every_injection_replays_to_its_cell(campaign: Make) -> None:
+    declared = campaign()
+    for injection, cell in declared.inject().injections():
+        assert declared.replay(injection.id).cell == cell
+    assert declared.replay(None).cell == "neutral/no"
+
+
+def test_a_replay_records_what_is_asked_for(campaign: Make) -> None:
+    found = campaign().replay("lit stuck-at-1", keep=["count", "lit"])
+    assert found.trace["lit"] == [True] * 96
+    assert found.trace["count"][:3] == [0, 1, 2]
+
+
+def test_dangerous_undetected_injections_are_listed_for_replay(campaign: Make) -> None:
+    entry = campaign().run()
+    assert len(entry["replay"]) == 2 and "timer::lit stuck-at-1" in entry["replay"]
+
+
+def test_ctrl_c_keeps_the_batches_that_are_complete(campaign: Make) -> None:
+    from safety.faults import frozen
+
+    def stop(share: float, seconds: float) -> None:
+        raise KeyboardInterrupt
+
+    kinds = [Fault(stuck(1), ["lit"]), Fault(frozen(), ["lit"])]  # one batch with masks, one built in
+    result = campaign(faults=kinds, expect={"safe": 0}).inject(stop)
+    assert result.interrupted and not result.exhaustive
+    assert result.tally.injections == 1
+    assert "interrupted after 1 of 2 injections" in result.surprises()
+
+
+def test_progress_ends_at_all(campaign: Make) -> None:
+    shares: list[float] = []
+    campaign().inject(lambda share, seconds: shares.append(share))
+    assert shares[-1] == 1.0 and shares == sorted(shares)
+
+
+def test_campaigns_register_under_their_id_once(campaign: Make) -> None:
+    first = campaign(id="registered")
+    assert first in campaigns()
+    again = campaign(id="registered")
+    assert again in campaigns() and first not in campaigns()
+    with pytest.raises(CampaignError, match="'registered' of proofs.other has the id of one of"):
+        campaign(id="registered", module="proofs.other")
+
+
+def test_a_fault_that_changes_nothing_is_not_effective(campaign: Make) -> None:
+    result = campaign(constant={"run": True}, stimulus={}, faults=stuck_bits("run", "lit")).inject()
+    assert result.tally.injections == 4 and len(result.effective) == 3
+
+
+def test_judges_see_blocks_totals_and_the_healthy_run(campaign: Make) -> None:
+    shapes: list[Any] = []
+
+    def judge(seen: Seen) -> Any:
+        shapes.append((seen["lit"].shape, seen.total("lit").shape, seen.healthy("lit"), seen.runs))
+        return seen.total("lit") > seen.healthy("lit")
+
+    campaign(wrong_side=judge).inject()
+    assert shapes[0] == ((4, 11), (11,), 32, 11)
+
+
+def test_declaring_a_campaign_loads_neither_numpy_nor_a_solver() -> None:
+    code = "import sys, proofs.ts7_campaign; print(sorted({'numpy', 'z3', 'cvc5'} & set(sys.modules)))"
+    done = subprocess.run([sys.executable, "-c", code], cwd=Path(__file__).parents[2], capture_output=True, text=True)
+    assert (done.stdout.strip(), done.stderr) == ("[]", "")

@@ -1,0 +1,70 @@
+"""The Aralia trees against figures of SCRAM and of a program independent of ours (shared/oracles/fault_trees).
+
+Read in place from $RIGHTSIDE_ORACLES, else from ../shared/oracles beside the project. Left out are the trees of BEYOND,
+whose diagrams outgrow the largest budget of nodes; only their counts of gates and events are compared.
+"""
+
+import csv
+import itertools
+import os
+from pathlib import Path
+
+import pytest
+
+from safety.trees import read, solve
+
+FOLDER = (
+    Path(os.environ.get("RIGHTSIDE_ORACLES") or Path(__file__).resolve().parents[3] / "shared" / "oracles")
+    / "fault_trees"
+)
+ROWS = 28
+SLOW = ("edfpa14b", "edfpa14p", "edfpa15b")  # 10 to 30 s each
+BEYOND = ("cea9601", "das9701", "edf9203", "nus9601")
+
+if not FOLDER.is_dir():
+    pytest.skip(f"{FOLDER} is absent: {ROWS} oracle rows not checked; set RIGHTSIDE_ORACLES", allow_module_level=True)
+
+with (FOLDER / "expected.csv").open(newline="") as file:
+    EXPECTED = {row["name"]: row for row in csv.DictReader(file)}
+
+SOLVED = [pytest.param(n, marks=pytest.mark.slow if n in SLOW else ()) for n in EXPECTED if n not in BEYOND]
+
+
+def aralia(name):
+    return read(FOLDER / "aralia" / f"{name}.xml")
+
+
+def test_every_row_is_solved_or_named_as_beyond_reach():
+    assert len(EXPECTED) == ROWS
+    assert set(BEYOND) | set(SLOW) < set(EXPECTED)
+
+
+@pytest.mark.parametrize("name", EXPECTED)
+def test_as_many_gates_and_events_as_published(name):
+    tree, row = aralia(name), EXPECTED[name]
+    assert sum(not gate.inside for gate in tree.gates) == int(row["gates"])
+    assert len(tree.events) == int(row["basic_events"])
+
+
+@pytest.mark.parametrize("name", SOLVED)
+def test_probability_and_cut_sets_by_order(name):
+    solution, row = solve(aralia(name)), EXPECTED[name]
+    assert solution.probability == pytest.approx(float(row["p_top"]), rel=1e-9, abs=0)
+    low, high = solution.bounds
+    assert low * (1 - 1e-12) <= float(row["p_top"]) <= high * (1 + 1e-12)  # printed with 14 digits
+    if solution.nodes < 10_000:
+        assert low <= solution.exact <= high
+    assert sum(solution.counts) == int(row["mcs_total"])
+    if row["mcs_by_order"]:
+        assert list(solution.counts[1:]) == [int(n) for n in row["mcs_by_order"].split()]
+
+
+def test_the_smallest_of_seven_billion_cut_sets_are_listed_at_once():
+    tree = aralia("edf9206")
+    solution = solve(tree)
+    first = list(itertools.islice(solution.cut_sets(), 100))
+    assert [len(cut_set) for cut_set in first] == [6] * 8 + [7] * 72 + [8] * 20
+    assert len(set(first)) == 100
+    for cut_set in first:
+        assert tree.occurs(cut_set)
+        assert not any(tree.occurs(set(cut_set) - {event}) for event in cut_set)
