@@ -26,23 +26,23 @@ from models.ts7.numbers import KMH_PER_WORD
 from models.ts7.ring import BITS_A_FRAME, Ring
 from models.ts7.train import PER_WORD, Bench
 from safety.faults import Fault, stuck
-from safety.inject import Campaign, Faults, Group, Seen, stuck_bits
+from safety.inject import Campaign, Faults, Group, Runs, Counts, stuck_bits
 
 
-def too_fast(seen: Seen):
+def too_fast(counts: Counts) -> Runs:
     """The permitted speed is above 67 km/h."""
-    return 65 * seen.total("o0") * seen.healthy("o1") > 67 * seen.healthy("o0") * seen.total("o1")
+    return 65 * counts.total("o0") * counts.healthy("o1") > 67 * counts.healthy("o0") * counts.total("o1")
 
 
-def too_slow(seen: Seen):
+def too_slow(counts: Counts) -> Runs:
     """The permitted speed is below 63 km/h; a channel without reference pulses permits none."""
-    slow = 65 * seen.total("o0") * seen.healthy("o1") < 63 * seen.healthy("o0") * seen.total("o1")
-    return (seen.total("o0") == 0) | (~too_fast(seen) & slow)
+    slow = 65 * counts.total("o0") * counts.healthy("o1") < 63 * counts.healthy("o0") * counts.total("o1")
+    return (counts.total("o0") == 0) | (~too_fast(counts) & slow)
 
 
-def out_of_window(seen: Seen):
+def out_of_window(counts: Counts) -> Runs:
     """The check word leaves its window in some block."""
-    return ((seen["o2"] <= 64) | (seen["o2"] >= 128)).any(axis=0)
+    return ((counts["o2"] <= 64) | (counts["o2"] >= 128)).any(axis=0)
 
 
 def both(*points: str) -> list[Fault]:
@@ -108,14 +108,14 @@ def ride(frame: int) -> dict[str, int | bool]:
     return {"speed": scaled((8, SLOW, FAST)[frame // PHASE]), "backward": frame < PHASE}
 
 
-def runs_on(seen: Seen):
+def runs_on(counts: Counts) -> Runs:
     """No roll-back report while running back, or no brake above the limit."""
-    return (seen["rev"][BACKWARD] < JUDGED) | (seen["drive"][ABOVE] > 0)
+    return (counts["rev"][BACKWARD] < JUDGED) | (counts["drive"][ABOVE] > 0)
 
 
-def holds_back(seen: Seen):
+def holds_back(counts: Counts) -> Runs:
     """A brake within the limit, or a roll-back report while running forward."""
-    return (seen["drive"][FORWARD] < JUDGED) | (seen["rev"][FORWARD] > 0)
+    return (counts["drive"][FORWARD] < JUDGED) | (counts["rev"][FORWARD] > 0)
 
 
 def lines(*points: str) -> Faults:
@@ -132,7 +132,7 @@ channel_single_stuck = Campaign(
     observe={"drive": "a.drive", "rev": "a.rev", "fault": "a.fault"},
     wrong_side=runs_on,
     safe_side=holds_back,
-    detected=lambda seen: seen.ever("fault"),
+    detected=lambda counts: counts.ever("fault"),
     faults=[
         row("inputs", "input buffer", "6e-9", lines("f_s", "backward", "lowered"), neutral_no=2, safe_no=2, wrong_no=2),
         row("limit", "data matrix", "8e-9", lines("limit"), neutral_no=10, safe_no=2, wrong_no=4),

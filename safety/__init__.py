@@ -9,19 +9,102 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 _HOME = {
-    "safety.terms": "Bit Int Real UInt U1 U2 U3 U4 U5 U6 U7 U8 U9 U10 U12 U14 U16 U20 U24 U32 "
-    "all_of any_of at_least bit count implies real select word",
-    "safety.model": "Model assume parameter point power_up",
-    "safety.system": "ANY ModelError",
-    "safety.trace": "run",
-    "safety.faults": "ANY_TIME FROM_START INTERMITTENT TRANSIENT Fault any_of_faults at_most byzantine delayed every extra flip frozen "
-    "missing open_circuit stuck welded",
-    "safety.prove.claims": "BOUNDED PROVED REFUTED UNDECIDED VACUOUS BITS INTEGERS Scenario Seen age claim faulty has new_fault once persists previous struck total",
-    "safety.prove.refinement": "refines",
-    "safety.prove.hazards": "hazard",
+    "safety.terms": (
+        "Bit Int Real UInt U1 U2 U3 U4 U5 U6 U7 U8 U9 U10 U12 U14 U16 U20 U24 U32 all_of any_of at_least "
+        "bit count implies real select word"
+    ),
+    "safety.model": ("Model assume parameter point power_up"),
+    "safety.system": ("ANY ModelError"),
+    "safety.trace": ("run"),
+    "safety.faults": (
+        "ANY_TIME FROM_START INTERMITTENT TRANSIENT Fault any_of_faults at_most byzantine delayed every "
+        "extra flip frozen missing open_circuit stuck welded"
+    ),
+    "safety.prove.claims": (
+        "BOUNDED PROVED REFUTED UNDECIDED VACUOUS BITS INTEGERS Scenario Seen age claim faulty has "
+        "new_fault once persists previous struck total"
+    ),
+    "safety.prove.refinement": ("refines"),
+    "safety.prove.hazards": ("hazard"),
 }
 _MODULE = {name: module for module, names in _HOME.items() for name in names.split()}
-__all__ = sorted(_MODULE)
+__all__ = [
+    "ANY",
+    "ANY_TIME",
+    "BITS",
+    "BOUNDED",
+    "FROM_START",
+    "INTEGERS",
+    "INTERMITTENT",
+    "PROVED",
+    "REFUTED",
+    "TRANSIENT",
+    "U1",
+    "U2",
+    "U3",
+    "U4",
+    "U5",
+    "U6",
+    "U7",
+    "U8",
+    "U9",
+    "U10",
+    "U12",
+    "U14",
+    "U16",
+    "U20",
+    "U24",
+    "U32",
+    "UNDECIDED",
+    "VACUOUS",
+    "Bit",
+    "Fault",
+    "Int",
+    "Model",
+    "ModelError",
+    "Real",
+    "Scenario",
+    "Seen",
+    "UInt",
+    "age",
+    "all_of",
+    "any_of",
+    "any_of_faults",
+    "assume",
+    "at_least",
+    "at_most",
+    "bit",
+    "byzantine",
+    "claim",
+    "count",
+    "delayed",
+    "every",
+    "extra",
+    "faulty",
+    "flip",
+    "frozen",
+    "has",
+    "hazard",
+    "implies",
+    "missing",
+    "new_fault",
+    "once",
+    "open_circuit",
+    "parameter",
+    "persists",
+    "point",
+    "power_up",
+    "previous",
+    "real",
+    "refines",
+    "run",
+    "select",
+    "struck",
+    "stuck",
+    "total",
+    "welded",
+    "word",
+]
 
 if TYPE_CHECKING:
     from safety.faults import (
@@ -43,7 +126,13 @@ if TYPE_CHECKING:
         stuck,
         welded,
     )
-    from safety.model import Model, assume, parameter, point, power_up
+    from safety.model import (
+        Model,
+        assume,
+        parameter,
+        point,
+        power_up,
+    )
     from safety.prove.claims import (
         BITS,
         BOUNDED,
@@ -65,9 +154,16 @@ if TYPE_CHECKING:
         struck,
         total,
     )
-    from safety.prove.hazards import hazard
-    from safety.prove.refinement import refines
-    from safety.system import ANY, ModelError
+    from safety.prove.hazards import (
+        hazard,
+    )
+    from safety.prove.refinement import (
+        refines,
+    )
+    from safety.system import (
+        ANY,
+        ModelError,
+    )
     from safety.terms import (
         U1,
         U2,
@@ -99,7 +195,9 @@ if TYPE_CHECKING:
         select,
         word,
     )
-    from safety.trace import run
+    from safety.trace import (
+        run,
+    )
 
 
 def __getattr__(name: str) -> Any:

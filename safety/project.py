@@ -24,6 +24,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from pathlib import Path
+from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -109,6 +110,10 @@ class Project:
         for name, module in list(sys.modules.items()):
             if name.partition(".")[0] in (PROOFS, MODELS) and not _lies_in(module, self.root):
                 del sys.modules[name]
+        for name in (PROOFS, MODELS):
+            if name not in sys.modules and not (self.root / name / "__init__.py").exists():
+                sys.modules[name] = package = ModuleType(name)  # else any regular package of this name would win
+                package.__path__ = [str(self.root / name)]
 
     def problem(self, error: BaseException, path: Path | None = None, line: int = 1) -> Problem:
         """An error as the user sees it: at the innermost line of the project's own files, else at `path` and `line`."""

@@ -13,7 +13,7 @@ from fractions import Fraction
 from typing import Any
 
 from safety.terms import Bit
-from safety.terms.graph import Sort, Term, rewrite
+from safety.terms.graph import Term, rewrite
 from safety.terms.values import bit, build
 
 
@@ -63,7 +63,7 @@ class State:
 
 @dataclass(frozen=True)
 class Setting:
-    """A parameter as used: value (None when left symbolic), unit, admissible range, source with its tag."""
+    """A parameter as used: value (None when left symbolic), unit, admissible range, source with its tag, default."""
 
     path: str
     value: Any
@@ -71,6 +71,7 @@ class Setting:
     low: Any
     high: Any
     source: str
+    default: Any = None
 
     @property
     def tag(self) -> str:

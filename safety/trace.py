@@ -8,10 +8,11 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Any
 
-from safety.model import Model, trace
+from safety.model import Model
 from safety.system import ANY, ModelError, System, nearest
 from safety.terms.graph import Sort
 from safety.terms.texts import compile_python
+from safety.tracing import trace
 
 Row = Mapping[str, Any]
 Inputs = Iterable[Row] | Mapping[str, Any] | Callable[[int], Row]

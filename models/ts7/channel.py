@@ -2,7 +2,7 @@
 
 One step is one frame, 125 us.  Speeds are in words: 1 word = 0.47124 km/h of pattern rate.
 Source: ring arithmetic, NB for f_v > f_p, detection of its own faults, roll-back detection [P]; dividers, comparator,
-offset and the lowering by four words [A]; check window [R].
+offset and the lowering by four words, a speed pulse is consumed in its own frame [A]; check window [R].
 """
 
 from __future__ import annotations

@@ -35,7 +35,7 @@ def ladder(start: str, end: str, rungs: tuple[tuple[str, ...], ...]) -> Network:
     found: list[Contact] = []
     for i, rung in enumerate(rungs):
         terminals = [start, *(f"{start}>{end} {i}.{k}" for k in range(1, len(rung))), end]
-        found += [Contact(*ends, name) for *ends, name in zip(terminals, terminals[1:], rung, strict=False)]
+        found += [Contact(a, b, name) for a, b, name in zip(terminals, terminals[1:], rung, strict=False)]
     return tuple(found)
 
 

@@ -6,6 +6,8 @@ Source: functions (a)-(f) of a speed-check part [P]; the circuits are not publis
 
 from __future__ import annotations
 
+from typing import Self
+
 from safety import ANY, U2, U4, U8, Bit, Model, point, power_up, select
 
 
@@ -29,7 +31,7 @@ class Comparator(Model, tick_s="125e-6"):
     u: U2 = power_up(3)
     latch: Bit = power_up(True)
 
-    def step(self, up: Bit, down: Bit) -> tuple[Comparator, Bit]:
+    def step(self, up: Bit, down: Bit) -> tuple[Self, Bit]:
         """Count `up` and `down`, neither when both come in one frame; the latch follows in the same frame."""
         rise, fall = up & ~down, down & ~up
         u = point("u", select(rise, (self.u + 1).sat(2), select(fall, self.u.sat_sub(1), self.u)))

@@ -2,7 +2,8 @@
 
 One step is one frame, 125 us.  Speed is the train's true speed in 1/4096 word per frame, so that a speed of n words
 (0.47124 km/h each) is 4096*n: the *scaled phase*.  A generator period is 65536 times the diameter of the real wheel
-in units of 5 mm, whatever the speed; so no division occurs, and speed may change every frame.
+in units of 5 mm, whatever the speed; so no division occurs, and speed may change every frame.  To a channel whose own
+oscillator is fast by 1 % the train is slower by 1/1.01: in its own frames its drift is a change of speed.
 Source: 60 pulses a revolution [A]; two windings whose phase tells the sense of rotation [P].
 """
 

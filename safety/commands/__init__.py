@@ -12,6 +12,7 @@ import contextlib
 import difflib
 import importlib
 import os
+import shlex
 import signal
 import sys
 from collections.abc import Sequence
@@ -80,20 +81,11 @@ def _verbs() -> str:
 
 
 def _call(verb: str, words: list[str]) -> int:
-    module: Any = importlib.import_module(f"safety.commands.{verb}")
-    examples = "examples:\n" + "\n".join(f"  {line}" for line in module.EXAMPLES.strip().splitlines())
-    parser = argparse.ArgumentParser(
-        prog=f"rightside {verb}",
-        description=module.__doc__,
-        epilog=examples,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
-    module.add_arguments(parser)
-    parser.add_argument("--project", metavar="DIR", help="the project's folder (default: found from here upwards)")
-    parser.add_argument("--traceback", action="store_true", help="show the whole way to an error")
-    args = parser.parse_args(words)
-    before = _end_like_ctrl_c(signal.SIGTERM)
+    before, whole = _end_like_ctrl_c(signal.SIGTERM), "--traceback" in words
     try:
+        module: Any = importlib.import_module(f"safety.commands.{verb}")
+        args = _parser(verb, module).parse_args(words)
+        args.command = shlex.join(["rightside", verb, *words])
         code: int = module.run(args)
         sys.stdout.flush()
     except KeyboardInterrupt:
@@ -103,11 +95,26 @@ def _call(verb: str, words: list[str]) -> int:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
     except Exception as error:
-        return _failed(verb, error, args.traceback)
+        return _failed(verb, error, whole)
     finally:
         if before is not None:
             signal.signal(signal.SIGTERM, before)
     return code
+
+
+def _parser(verb: str, module: Any) -> argparse.ArgumentParser:
+    examples = "examples:\n" + "\n".join(f"  {line}" for line in module.EXAMPLES.strip().splitlines())
+    parser = argparse.ArgumentParser(
+        prog=f"rightside {verb}",
+        description=module.__doc__,
+        epilog=examples,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+        allow_abbrev=False,
+    )
+    module.add_arguments(parser)
+    parser.add_argument("--project", metavar="DIR", help="the project's folder (default: found from here upwards)")
+    parser.add_argument("--traceback", action="store_true", help="show the whole way to an error")
+    return parser
 
 
 def _end_like_ctrl_c(number: int) -> Any:

@@ -8,11 +8,12 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from safety.commands.selection import Item
-from safety.model import Model, resolve
+from safety.model import Model
 from safety.project import Problem, Project, Value
 from safety.prove.hazards import Hazard
 from safety.prove.prove import Limits
 from safety.system import ModelError
+from safety.tracing import resolve
 
 if TYPE_CHECKING:
     from safety.inject import Campaign
@@ -79,10 +80,11 @@ def without_result(item: Item, error: Exception | str) -> Entry:
 
 def fitting(model: type[Model], settings: Mapping[str, Value]) -> dict[str, Value]:
     """The settings that name a parameter of the model."""
-    return {name: value for name, value in settings.items() if _fits(model, name)}
+    return {name: value for name, value in settings.items() if has_parameter(model, name)}
 
 
-def _fits(model: type[Model], name: str) -> bool:
+def has_parameter(model: type[Model], name: str) -> bool:
+    """Whether a setting's name (or pattern) fits a parameter of the model."""
     try:
         resolve(model, {name: None})
     except ModelError:

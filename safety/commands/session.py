@@ -9,23 +9,24 @@ from argparse import Namespace
 from collections.abc import Iterable, Sequence
 from contextlib import closing
 from dataclasses import dataclass, field
+from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
 from safety.commands import INPUT_ERROR, INTERRUPTED, CommandError, memory
-from safety.commands.evaluate import Answer, Order, fitting
+from safety.commands.evaluate import Answer, Order, find, fitting, has_parameter
 from safety.commands.options import cores
-from safety.commands.output import write_json
+from safety.commands.output import probe, write_json
 from safety.commands.screen import Screen
 from safety.commands.selection import Item, items, select
 from safety.commands.versions import versions
 from safety.commands.workers import Workers
-from safety.model import resolve, trace
-from safety.project import MODELS, PROOFS, Problem, Project, files, open_project
+from safety.project import MODELS, PROOFS, Problem, Project, open_project
 from safety.report import terminal
 from safety.report.results import Results, empty, exit_code, merge
-from safety.report.standing import INTERNAL, DISAGREE, standing
+from safety.report.standing import DISAGREE, INTERNAL, NOTHING, standing
 from safety.system import ModelError
+from safety.tracing import resolve, trace
 
 NOUNS = {"claims": "claims", "campaigns": "campaigns", "trees": "hazards", "rates": "rates"}
 SAVE_S = 30.0  # what a power cut may cost
@@ -37,11 +38,13 @@ class Session:
 
     project: Project
     args: Namespace
+    sections: Sequence[str]
     chosen: list[Item]
     results: Results
     tables: bool = False
     interrupted: bool = False
     notes: dict[str, str] = field(default_factory=dict)
+    code: int = 0
 
     @property
     def part(self) -> bool:
@@ -49,7 +52,7 @@ class Session:
         args = self.args
         return bool(args.keyword or args.req or args.lf or args.first or args.settings)
 
-    def work(self) -> int:
+    def work(self) -> None:
         """Do everything that was chosen; results are shown as they come and kept, whatever happens."""
         began = time.monotonic()
         config, args = self.project.config, self.args
@@ -63,8 +66,8 @@ class Session:
         except KeyboardInterrupt:
             self.interrupted = True
             self.results["interrupted"] = True
-        self.results["runs"] = [{"command": self._command(), "seconds": round(time.monotonic() - began, 3)}]
-        return self._end()
+        self.results["runs"] = [{"command": args.command, "seconds": round(time.monotonic() - began, 3)}]
+        self.code = self._end()
 
     def _gather(self, workers: Workers, screen: Screen) -> None:
         width = max((len(item.id) for item in self.chosen), default=0)
@@ -114,7 +117,7 @@ class Session:
         """Refuse settings that no model has or that are out of range, before anything runs."""
         models = {id(m): m for m in (_model(self.project, item) for item in self.chosen) if m is not None}
         for name in order.settings:
-            hit = [model for model in models.values() if fitting(model, {name: None})]  # type: ignore[dict-item]
+            hit = [model for model in models.values() if has_parameter(model, name)]
             if models and not hit:
                 self._refuse(list(models.values()), name)
             for model in hit:
@@ -129,28 +132,26 @@ class Session:
                 messages.append(str(error))
         raise CommandError(f"--set: {min(messages, key=lambda text: ('did you mean' not in text, len(text)))}")
 
-    def _command(self) -> str:
-        return " ".join(["rightside", *sys.argv[1:]])
-
     def _keep(self) -> str:
-        """Keep the results for --lf, replay and report; why not, if so.  Those of a changed model are not kept."""
+        """Keep the results for --lf, replay and report; why not, if so.  Those of other settings are not kept."""
         if self.args.settings:
             return ""
-        return memory.keep(self.project.root, self.results, whole=not self.part and self.tables is None)
+        done = not (self.part or self.interrupted or self.project.problems)
+        return memory.keep(self.project.root, self.results, self.sections if done else ())
 
     def _end(self) -> int:
         problems = self.project.problems
         if problems:
             self.results["limits"] = [f"left out: {problem.file}:{problem.line}: {problem.message}" for problem in problems]
         warning = self._keep()
-        if self.args.json:
-            write_json(self.results, self.args.json)
         terminal.show(self.results, sys.stderr)
         if warning:
             print(warning, file=sys.stderr)
         if problems:
             names = sorted({problem.file for problem in problems})
             print(f"exit 2: mend {', '.join(names)}; --traceback shows the whole way to the error", file=sys.stderr)
+        if self.args.json:
+            write_json(self.results, self.args.json)
         if self.interrupted:
             left = len(self.chosen) - sum(len(self.results.get(section, ())) for section in NOUNS)
             print(f"interrupted: {left} of {len(self.chosen)} have no result; the others are kept", file=sys.stderr)
@@ -170,7 +171,7 @@ def start(args: Namespace, sections: Sequence[str]) -> Session:
     results["models"] = texts(project)
     if args.settings:
         results["settings"] = {name: str(value) for name, value in args.settings}
-    return Session(project, args, chosen, results)
+    return Session(project, args, sections, chosen, results)
 
 
 def texts(project: Project) -> list[dict[str, Any]]:
@@ -182,21 +183,45 @@ def texts(project: Project) -> list[dict[str, Any]]:
     ]
 
 
-def nothing(session: Session, sections: Sequence[str]) -> bool:
-    """Say so when nothing was selected; problems in files, if any, are shown instead."""
+def work(args: Namespace, *sections: str, tables: bool = False, whole: bool = False) -> Session:
+    """Do all that the arguments select; the session's `code` says how it ended.
+
+    `tables`: show the runs of claims that are refuted as they must be.  `whole`: list the models' parameters too.
+    """
+    if args.json:
+        probe(Path(args.json))
+    session = start(args, sections)
+    session.tables = tables
+    if whole:
+        session.results["parameters"] = parameters(session.project, session.chosen)
     if session.chosen or session.project.problems:
-        return False
-    nouns = " or ".join(NOUNS[section] for section in sections)
-    where = f"{session.project.root / PROOFS} declares no {nouns}"
-    if session.part:
-        where = f"no {nouns} fit this selection; `rightside list` shows all"
-    print(f"nothing selected: {where}", file=sys.stderr)
-    return True
+        session.work()
+    else:
+        nouns = " or ".join(NOUNS[section] for section in sections)
+        why = "that fit this selection" if session.part else f"in {session.project.root / PROOFS}"
+        print(f"nothing selected: there are no {nouns} {why}; `rightside list` shows all", file=sys.stderr)
+        session.code = NOTHING
+    return session
+
+
+def parameters(project: Project, chosen: Sequence[Item]) -> list[dict[str, Any]]:
+    """The parameters of every model that is worked on, with unit, range, source and its tag."""
+    found = {}
+    for model in dict.fromkeys(filter(None, (_model(project, item) for item in chosen))):
+        for each in trace(model, fitting(model, project.config.settings)).settings.values():
+            entry = {"id": each.path, "model": model.__name__, "value": each.value, "unit": each.unit, "tag": each.tag}
+            limits = {"low": each.low, "high": each.high, "note": each.source}
+            found[model.__name__, each.path] = {name: _plain(value) for name, value in (entry | limits).items()}
+    return list(found.values())
+
+
+def _plain(value: Any) -> Any:
+    """A fraction as the nearest double: what stands here is to be read."""
+    return float(value) if isinstance(value, Fraction) else value
 
 
 def _model(project: Project, item: Item) -> Any:
-    from safety.commands.evaluate import find
-
+    """The model class of an item, if it has one."""
     match item.section:
         case "claims":
             return find(project.claims, item.id).model

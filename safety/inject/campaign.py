@@ -16,7 +16,8 @@ from typing import TYPE_CHECKING, Any
 from safety.inject.classes import CELLS, CLASSES, Judge
 from safety.inject.lanes import Timing
 from safety.inject.space import CampaignError, Faults, Group, Space, enumerate_space
-from safety.model import Model, trace
+from safety.model import Model
+from safety.tracing import trace
 from safety.system import System, nearest, substitute
 from safety.terms import Bit
 from safety.terms.graph import BIT
@@ -49,7 +50,7 @@ class Wires:
 class Campaign:
     """A fault-injection campaign.
 
-    `wrong_side`, `safe_side` and `detected` judge many runs side by side: from `Seen` to one truth value a run, by
+    `wrong_side`, `safe_side` and `detected` judge many runs side by side: from `Counts` to one truth value a run, by
     arithmetic, comparison, `&`, `|` and `~` only.  A run on both sides counts as wrong; what is neither wrong, safe
     nor detected has no effect.
 

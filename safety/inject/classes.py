@@ -28,8 +28,8 @@ CELLS = tuple(f"{direction}/{found}" for direction in DIRECTIONS for found in ("
 _UNDETECTED = {"wrong/no": "dangerous_undetected", "safe/no": "safe", "neutral/no": "no_effect"}
 
 
-class Seen:
-    """What was counted in some runs side by side: `seen["o2"]` has the shape (blocks, runs), counts of frames."""
+class Counts:
+    """What was counted in some runs side by side: `counts["o2"]` has the shape (blocks, runs), counts of frames."""
 
     def __init__(self, counts: Mapping[str, Lanes], golden: Mapping[str, Lanes]) -> None:
         self._counts, self._golden = counts, golden
@@ -59,17 +59,18 @@ class Seen:
         return int(self._golden[name].sum())
 
 
-Judge = Callable[[Seen], Any]  # one truth value a run
+Runs = Any  # an array, one value a run
+Judge = Callable[[Counts], Runs]
 
 
-def judge(seen: Seen, wrong_side: Judge, safe_side: Judge | None, detected: Judge) -> list[str]:
+def judge(counts: Counts, wrong_side: Judge, safe_side: Judge | None, detected: Judge) -> list[str]:
     """`direction/detected` of each run, e.g. "wrong/no"; a run on both sides counts as wrong."""
     import numpy as np
 
-    wrong, found = (np.broadcast_to(j(seen), seen.runs) for j in (wrong_side, detected))
-    safe = np.broadcast_to(safe_side(seen) if safe_side else False, seen.runs)
+    wrong, found = (np.broadcast_to(j(counts), counts.runs).astype(bool) for j in (wrong_side, detected))
+    safe = np.broadcast_to(safe_side(counts) if safe_side else False, counts.runs)
     direction = np.where(wrong, 2, np.where(safe, 1, 0))
-    return [f"{DIRECTIONS[d]}/{'yes' if f else 'no'}" for d, f in zip(direction.tolist(), found.tolist(), strict=True)]
+    return [CELLS[position] for position in (2 * direction + ~found).tolist()]
 
 
 def class_of(cell: str) -> str:

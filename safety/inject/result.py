@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from safety.inject.classes import Tally, class_of
 from safety.inject.fmeda import Row, rated
-from safety.inject.space import Injection
+from safety.inject.space import CampaignError, Injection
 from safety.inject.statistics import Share, share, weighted
 from safety.model import Model
 
@@ -22,7 +22,8 @@ if TYPE_CHECKING:
 class Result:
     """Outcome of a campaign: `cells` by position of the injection, `effective` those that change the equipment at all.
 
-    A fault changes nothing by construction when it acts on a constant and keeps its value.
+    A fault changes nothing by construction when it acts on a constant and keeps its value.  An interrupted campaign has
+    counts but no fractions: what was done first is no random sample.
     """
 
     campaign: Campaign
@@ -88,15 +89,23 @@ class Result:
         return self._share(self.tally.classes["detected"], len(self.effective))
 
     def _share(self, hits: int, of: int) -> Share | None:
+        if self.interrupted:
+            return None
         return share(hits, of, exhaustive=self.exhaustive, confidence=self.campaign.confidence)
 
     def weighted(self, *, safe_too: bool = False) -> Share | None:
         """Diagnostic coverage (`safe_too`: safe failure fraction) weighted by failure rates; None without rates.
 
-        Raises `CampaignError` when only some groups have a rate, `ValueError` for one that no injection was made of.
+        Raises `CampaignError` when only some groups have a rate, one has the rate 0, or a sample has none of a group.
         """
-        if not self.rows or not rated(self.rows, self.campaign.id):
+        if self.interrupted or not self.rows or not rated(self.rows, self.campaign.id):
             return None
+        for row in self.rows:
+            if not row.tally.injections:
+                raise CampaignError(
+                    f"{self.campaign.id}: the sample has no fault of group {row.group.name!r}, which has a rate; "
+                    "draw more, or inject all"
+                )
         strata = [row.stratum(exhaustive=row.of == row.tally.injections) for row in self.rows]
         return weighted(strata, safe_too=safe_too, confidence=self.campaign.confidence)
 
@@ -151,7 +160,7 @@ class Result:
 
     def _by_rate(self) -> dict[str, Any] | None:
         coverage, fraction = self.weighted(), self.weighted(safe_too=True)
-        if not self.rows or self.rows[0].rate is None:
+        if self.interrupted or not self.rows or self.rows[0].rate is None:
             return None
         sums = {
             name: sum((row.split()[name] or Fraction(0) for row in self.rows), Fraction(0))

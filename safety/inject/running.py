@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from safety.faults import instrument, schedule
 from safety.inject.campaign import Campaign, Progress, observed
-from safety.inject.classes import Seen, judge
+from safety.inject.classes import Counts, judge
 from safety.inject.kernel import Kernel, build_kernel
 from safety.inject.lanes import Batch, Plan, plan, run_batch
 from safety.inject.masks import changes_nothing
@@ -20,7 +20,7 @@ from safety.trace import Trace, run
 if TYPE_CHECKING:
     import numpy.typing as npt
 
-    Counts = Mapping[str, npt.NDArray[Any]]
+    ByWire = Mapping[str, npt.NDArray[Any]]
 
 PROGRESS_S = 0.5
 HEALTHY = Injection("fault-free", (), "")
@@ -36,13 +36,8 @@ def inject(campaign: Campaign, progress: Progress | None) -> Result:
     try:
         for batch in todo.batches:
             tick = _meter(progress, began, len(cells), len(batch.positions), campaign)
-            cells |= dict(
-                zip(
-                    batch.positions,
-                    _cells(campaign, _counts(campaign, kernels.of(batch), batch, todo, tick)),
-                    strict=True,
-                )
-            )
+            counts = _counts(campaign, kernels.of(batch), batch, todo, tick)
+            cells |= dict(zip(batch.positions, _cells(campaign, counts), strict=True))
     except KeyboardInterrupt:
         interrupted = True
     idle = {name for name, found in todo.masks.items() if changes_nothing(campaign.system, found)}
@@ -54,9 +49,8 @@ class _Kernels:
     """The kernel of a batch: one for all that carry masks only, a new one for each other."""
 
     def __init__(self, campaign: Campaign, todo: Plan) -> None:
-        self.campaign, self.points, self.masked = campaign, todo.points, None
-
-    masked: Kernel | None
+        self.campaign, self.points = campaign, todo.points
+        self.masked: Kernel | None = None
 
     def of(self, batch: Batch) -> Kernel:
         if batch.built_in:
@@ -70,16 +64,16 @@ class _Kernels:
         return build_kernel(self.campaign.system, wires, points, batch.built_in, self.campaign.steps_per_frame)
 
 
-def _counts(campaign: Campaign, kernel: Kernel, batch: Batch, todo: Plan, tick: Callable[[int], None]) -> Counts:
+def _counts(campaign: Campaign, kernel: Kernel, batch: Batch, todo: Plan, tick: Callable[[int], None]) -> ByWire:
     members = campaign.space.injections
     counts = run_batch(kernel, batch, members, todo, campaign.inputs, campaign.timing, campaign.start, tick)
     return {name: counts[observed(name)] for name in campaign.observe}
 
 
-def _cells(campaign: Campaign, counts: Counts) -> list[str]:
+def _cells(campaign: Campaign, counts: ByWire) -> list[str]:
     """`direction/detected` of each injection; the fault-free run, lane 0, is judged too and has to come out clean."""
     golden = {name: lanes[:, :1] for name, lanes in counts.items()}
-    cells = judge(Seen(counts, golden), campaign.wrong_side, campaign.safe_side, campaign.detected)
+    cells = judge(Counts(counts, golden), campaign.wrong_side, campaign.safe_side, campaign.detected)
     if cells[0] != "neutral/no":
         raise CampaignError(
             f"{campaign.id}: the fault-free run is judged {cells[0]}; correct the judges or the stimulus"
@@ -117,11 +111,11 @@ def replay(campaign: Campaign, key: str | int | None, keep: Sequence[str] = ()) 
     injection = HEALTHY if key is None else campaign.space.injections[campaign.space.find(key)]
     golden = campaign.healthy_counts
     trace = _run(campaign, injection, keep)
-    seen = Seen(golden if key is None else _counted(campaign, trace), golden)
-    return Replay(injection, trace, judge(seen, campaign.wrong_side, campaign.safe_side, campaign.detected)[0])
+    found = Counts(golden if key is None else _counted(campaign, trace), golden)
+    return Replay(injection, trace, judge(found, campaign.wrong_side, campaign.safe_side, campaign.detected)[0])
 
 
-def healthy_counts(campaign: Campaign) -> Counts:
+def healthy_counts(campaign: Campaign) -> ByWire:
     """What is counted in the fault-free run on the Python reading."""
     return _counted(campaign, _run(campaign, HEALTHY, ()))
 
@@ -138,7 +132,7 @@ def _run(campaign: Campaign, injection: Injection, keep: Sequence[str]) -> Trace
     )
 
 
-def _counted(campaign: Campaign, trace: Trace) -> Counts:
+def _counted(campaign: Campaign, trace: Trace) -> ByWire:
     """What the lanes count, from a trace: true wires at the ends of frames, by block."""
     import numpy as np
 

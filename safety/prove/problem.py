@@ -7,12 +7,12 @@ from dataclasses import dataclass, replace
 from typing import Any, cast
 
 from safety.faults import Fault, Faulted, instrument, within
-from safety.model import trace
 from safety.prove.claims import Claim, Formula, Seen, label, premise_of, watching
 from safety.system import ANY, ModelError, State, System
 from safety.terms import Bit
-from safety.terms.graph import Term, describe, postorder, variables
+from safety.terms.graph import BIT, Term, describe, postorder, variable, variables
 from safety.terms.values import all_of, bit
+from safety.tracing import trace
 
 
 @dataclass(frozen=True)
@@ -76,9 +76,15 @@ def _rigid(system: System, condition: Bit) -> Bit:
 
 
 def observed(problem: Problem) -> System:
-    """The problem's system with `claim.holds`, `claim.premise` and `claim.given` as signals, for replay."""
-    extra: dict[str, Term] = {"claim.holds": problem.holds, "claim.premise": problem.premise, "claim.given": problem.given}
-    return replace(problem.system, signals={**problem.system.signals, **extra})
+    """The problem's system with `claim.holds`, `claim.premise` and `claim.given` as signals, for replay.
+
+    At the first step `claim.given` includes what the claim says of the start.
+    """
+    first = cast(Bit, variable("watch.first", BIT))
+    given = problem.given & (~first | problem.start)
+    extra: dict[str, Term] = {"claim.holds": problem.holds, "claim.premise": problem.premise, "claim.given": given}
+    states = (*problem.system.states, State(first, bit(False), True))
+    return replace(problem.system, states=states, signals={**problem.system.signals, **extra})
 
 
 Progress = Callable[[str], None]

@@ -12,6 +12,7 @@ from safety.prove.prove import Outcome
 from safety.system import ANY
 from safety.trace import Trace
 
+SHOWN_FAULTS = 8  # names in the text of a fault budget; all stand beside it
 SHOWN_BEFORE = 40  # steps of a counterexample that are listed before its last one
 
 
@@ -30,7 +31,8 @@ def claim_entry(outcome: Outcome) -> dict[str, Any]:
         "verdict": outcome.verdict,
         "as_expected": outcome.as_expected,
         "strength": {"kind": outcome.verdict, "steps": outcome.steps},
-        "faults": fault_texts(claim, problem),
+        "faults": fault_text(claim, problem),
+        "fault_budget": fault_budget(claim, problem),
         "method": outcome.method or None,
         "why": outcome.why or None,
         "user_lemmas": len(problem.lemmas) if problem and claim.refinement is None else 0,
@@ -46,8 +48,18 @@ def claim_entry(outcome: Outcome) -> dict[str, Any]:
     }
 
 
-def fault_texts(claim: Claim, problem: Problem | None) -> dict[str, Any]:
-    """The fault budget: how many at most, of which."""
+def fault_text(claim: Claim, problem: Problem | None) -> str | None:
+    """The fault budget in words: `at most 1 of 3: a, b, c`."""
+    budget = fault_budget(claim, problem)
+    if not budget["of"]:
+        return None
+    most = "any number" if budget["most"] is None else f"at most {budget['most']}"
+    shown = ", ".join(budget["of"][:SHOWN_FAULTS]) + (", ..." if len(budget["of"]) > SHOWN_FAULTS else "")
+    return f"{most} of {len(budget['of'])}: {shown}"
+
+
+def fault_budget(claim: Claim, problem: Problem | None) -> dict[str, Any]:
+    """The fault budget: how many at most (None: any number), of which."""
     names = [str(f) for f in problem.faults] if problem else []
     return {"most": claim.faults.most if claim.faults else 0, "of": names}
 

@@ -12,13 +12,14 @@ from dataclasses import dataclass, replace
 from typing import Any, cast
 
 from safety.faults import Faulted
-from safety.model import Model, trace
+from safety.model import Model
 from safety.prove.claims import BITS, Claim, F, Formula, Seen, claim_id, register
 from safety.prove.problem import Problem
 from safety.system import ANY, ModelError, State, System, nearest, repeat, substitute
 from safety.terms import Bit
 from safety.terms.graph import Term, variable
 from safety.terms.values import all_of, bit
+from safety.tracing import trace
 
 Reading = Callable[[Seen], Mapping[str, Any]]
 

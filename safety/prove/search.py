@@ -138,7 +138,8 @@ def scripted(problem: Problem, script: Scenario, keep: Sequence[str] | None = No
         if name not in names:
             raise ModelError(f"{problem.claim.id}: the scenario wants the fault {name!r}; {nearest(name, names)}")
     present = {present_name(i): fault.name in script.present for i, fault in enumerate(problem.faults)}
-    chosen = {path: value for path, value in present.items() if path in system.state}
+    usual = {path: p.default for path, p in system.settings.items() if path in system.state}
+    chosen = usual | {path: value for path, value in present.items() if path in system.state}
     unknown = [n for n in script.inputs if n not in system.inputs]
     if unknown:
         raise ModelError(f"{problem.claim.id}: the scenario sets {unknown[0]!r}; {nearest(unknown[0], system.inputs)}")

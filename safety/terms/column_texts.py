@@ -89,18 +89,6 @@ def lane_numbers(symbol: str) -> Text:
     return text
 
 
-def lane_compare(symbol: str) -> Text:
-    """Comparison, in objects as soon as an operand needs them."""
-
-    def text(t: Term, x: str, y: str) -> str:
-        a, b = t.args[0].sort, t.args[1].sort
-        if is_object(a) or is_object(b):
-            return f"wires({_as(x, a, True)} {symbol} {_as(y, b, True)})"
-        return f"({x} {symbol} {y})"
-
-    return text
-
-
 def lane_select(t: Term, c: str, x: str, y: str) -> str:
     """A choice; NumPy would take two literals beyond 64 bits for floats."""
     return f"np.where({c}, objects({x}), objects({y}))" if is_object(t.sort) else f"np.where({c}, {x}, {y})"

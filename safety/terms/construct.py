@@ -128,7 +128,7 @@ def word_beside(x: Term, other: object, symbol: str) -> Term:
         raise TermError(f"{where}: {other.sort} has no bits; write .low({x.sort.width}) for its two's complement")
     if type(other) is int:
         raise TermError(f"{where}: the constant does not fit; widen the word, or write one in 0..{x.sort.high}")
-    raise TermError(f"{where}: the other side is a word of {x.sort.width} bits or a constant in 0..{x.sort.high}")
+    raise TermError(f"{where}: write a word of {x.sort.width} bits, or a whole constant in 0..{x.sort.high}")
 
 
 # --- results -------------------------------------------------------------------------------------------------------

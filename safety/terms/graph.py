@@ -139,6 +139,11 @@ def node(op: str, args: tuple[Term, ...], attr: Any, sort: Sort) -> Term:
     return found
 
 
+def graph_size() -> int:
+    """How many terms are alive."""
+    return len(_nodes)
+
+
 def variable(name: str, sort: Sort) -> Term:
     """A leaf that a reading binds: a state, an input or a parameter."""
     return node("var", (), name, sort)

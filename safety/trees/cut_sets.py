@@ -1,5 +1,4 @@
-"""Minimal cut sets as a zero-suppressed decision diagram: found, counted by order and listed without ever holding
-them all.
+"""Minimal cut sets as a zero-suppressed decision diagram: counted by order and listed without ever holding them all.
 
 A minimal cut set is a smallest set of basic events whose occurrence alone, all others absent, makes the top event
 occur. For a tree with not or xor these are the minimal positive parts of its prime implicants ("minimal p-cuts").
@@ -121,8 +120,7 @@ class Family:
 
 
 def smallest_first(families: Mapping[str, Family], top: str) -> Iterator[tuple[str, ...]]:
-    """The minimal cut sets of the module `top`, its modules resolved, by increasing order; the names of each are
-    sorted.
+    """The minimal cut sets of the module `top` in basic events, by increasing order; the names of each are sorted.
 
     No branch is entered that does not end in a cut set, so the first sets cost little however many there are.
     """

@@ -12,11 +12,11 @@ from safety.trees.tree import BasicEvent, FaultTree, Gate, HouseEvent, Node, Tre
 
 @contextmanager
 def at(place: str) -> Iterator[None]:
-    """Put `place` ("file:line") before the message of a TreeError raised inside."""
+    """Give `place` ("file:line") to a TreeError raised inside, unless it has one."""
     try:
         yield
     except TreeError as error:
-        raise TreeError(f"{place}: {error}", error.item) from None
+        raise TreeError(error.message, error.item, error.place or place) from None
 
 
 @dataclass
@@ -58,7 +58,7 @@ class Draft:
                 self.mission_time_h,
             )
         except TreeError as error:
-            raise TreeError(f"{self.places.get(error.item, self.file)}: {error}", error.item) from None
+            raise TreeError(error.message, error.item, self.places.get(error.item, self.file)) from None
 
     def _only_root(self) -> str:
         used = {name for gate in self.gates for name in gate.inputs}

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from typing import Any
 
@@ -72,16 +72,12 @@ def read_json(text: bytes, file: str, mission_time_h: Fraction | None = None) ->
         content = text.decode("utf-8-sig")
         document = json.loads(content, parse_float=str, parse_constant=str)
     except json.JSONDecodeError as error:
-        raise TreeError(
-            f"{file}:{error.lineno}: not JSON ({error.msg}, column {error.colno}); correct it there"
-        ) from None
+        message = f"not JSON ({error.msg}, column {error.colno}); correct it there"
+        raise TreeError(message, place=f"{file}:{error.lineno}") from None
     except ValueError as error:
         raise TreeError(f"{file}: not JSON in UTF-8 ({error}); correct it") from None
 
-    def place(name: object) -> str:
-        definitions = list(re.finditer(r'"name"\s*:\s*' + re.escape(json.dumps(name, ensure_ascii=False)), content))
-        return f"{file}:{content.count(chr(10), 0, definitions[-1].start()) + 1}" if definitions else file
-
+    places = {name: f"{file}:{line}" for name, line in _names_by_line(content)}
     with at(f"{file}:1"):
         _check(document, "the document", DOCUMENT, ("format", "name", "top", "gates"))
         if document["format"] != FORMAT:
@@ -92,11 +88,19 @@ def read_json(text: bytes, file: str, mission_time_h: Fraction | None = None) ->
     draft = Draft(file, document["name"], document["top"], document.get("description", ""), time)
     for section, (node, keys) in ENTRIES.items():
         for number, entry in enumerate(document.get(section, []), 1):
-            where = place(entry.get("name")) if isinstance(entry, dict) else file
+            where = places.get(str(entry.get("name")), file) if isinstance(entry, dict) else file
             with at(where):
                 _check(entry, f"entry {number} of {section}", keys, REQUIRED[section])
                 draft.add(node(**entry), where)
     return draft
+
+
+def _names_by_line(content: str) -> Iterator[tuple[str, int]]:
+    """Every "name" in a JSON text with the line that it stands in."""
+    line, start = 1, 0
+    for found in re.finditer(r'"name"\s*:\s*("(?:[^"\\]|\\.)*")', content):
+        line, start = line + content.count("\n", start, found.start(1)), found.start(1)
+        yield json.loads(found[1]), line
 
 
 def _check(entry: object, what: str, keys: Keys, required: tuple[str, ...]) -> None:

@@ -1,7 +1,7 @@
 """Reading Open-PSA Model Exchange Format XML (MEF 2.0d).
 
 Read are gates (and, or, not, xor, atleast, nand, nor, iff, imply, nested formulas), basic and house events,
-parameters and components; the expressions float, int, bool, parameter, exponential (rate per hour, hours) and
+parameters and components; the expressions float, int, parameter, exponential (rate per hour, hours) and
 system-mission-time; labels as descriptions; and `<attribute name="source" value="P"/>` as the source tag of a basic
 event. All else is refused by name, never skipped.
 """
@@ -29,6 +29,7 @@ KINDS = {
     "imply": "or",
 }
 NEGATED = ("nand", "nor", "iff")
+OF_TWO = ("xor", "iff", "imply")  # programs disagree on what these mean over more
 ANNOTATIONS = ("label", "attributes")
 
 
@@ -67,24 +68,18 @@ class _Reader:
         if parent.tag == "define-fault-tree" and not self.draft.name:
             self.draft.name = parent.get("name")
             self.draft.description = _description(parent)
+        definitions = {
+            "define-gate": self.gate,
+            "define-basic-event": self.basic_event,
+            "define-house-event": self.house_event,
+        }
         for element in parent.children:
-            with at(element.place):
-                match element.tag:
-                    case "define-gate":
-                        self.gate(element)
-                    case "define-basic-event":
-                        self.basic_event(element)
-                    case "define-house-event":
-                        self.house_event(element)
             if element.tag in CONTAINERS:
                 self.container(element)
-            elif element.tag not in (
-                "define-gate",
-                "define-basic-event",
-                "define-house-event",
-                "define-parameter",
-                *ANNOTATIONS,
-            ):
+            elif element.tag in definitions:
+                with at(element.place):
+                    definitions[element.tag](element)
+            elif element.tag not in ("define-parameter", *ANNOTATIONS):
                 raise element.error(
                     f"<{element.tag}> is not supported; remove it or express it by gates and basic events"
                 )
@@ -104,7 +99,9 @@ class _Reader:
                 f"<{formula.tag}> is no formula known here, expected one of {', '.join(KINDS)}; rewrite it with these"
             )
         parts = list(formula.children)
-        if formula.tag == "imply" and len(parts) == 2:
+        if formula.tag in OF_TWO and len(parts) != 2:
+            raise formula.error(f"<{formula.tag}> has {len(parts)} arguments, expected 2; nest them in pairs")
+        if formula.tag == "imply":
             parts[0] = Element("not", {}, parts[0].place, [parts[0]])
         if formula.tag in NEGATED:
             parts = [Element(KINDS[formula.tag], {}, formula.place, parts)]
@@ -168,8 +165,6 @@ class _Reader:
             case "float" | "int":
                 with at(expression.place):
                     return exact(expression.get("value"), f"<{expression.tag}>")
-            case "bool":
-                return Fraction(expression.get("value") == "true")
             case "system-mission-time":
                 if self.draft.mission_time_h is None:
                     raise expression.error(
@@ -177,7 +172,7 @@ class _Reader:
                     )
                 return self.draft.mission_time_h
         raise expression.error(
-            f"expression <{expression.tag}> is not supported, expected float, int, bool, parameter, exponential of "
+            f"expression <{expression.tag}> is not supported, expected float, int, parameter, exponential of "
             "these or system-mission-time; write its value as a float"
         )
 

@@ -1,8 +1,4 @@
-"""Solving a fault tree: one decision diagram a module, and every figure read off these.
-
-solution = solve(tree)
-solution.probability, solution.exact, solution.counts, solution.importance(), solution.cut_sets()
-"""
+"""Solving a fault tree: `solve(tree)` builds one decision diagram a module; its `Solution` reads every figure off."""
 
 from __future__ import annotations
 
@@ -25,6 +21,8 @@ HALF_ULP = 2.0**-53  # the largest relative error of one rounding
 
 class TooLarge(RuntimeError):
     """No order kept a diagram within the largest budget; the tree has no result, not even an approximate one."""
+
+    exit_code = 3
 
 
 @dataclass(frozen=True)
@@ -53,24 +51,17 @@ class Solution:
 
     @cached_property
     def probability(self) -> float | None:
-        """Probability of the top event in double precision (see `bounds`);
-
-        None if an event below the top has no probability.
-        """
+        """Probability of the top event in doubles (see `bounds`); None if an event below the top has none."""
         return None if self._doubles is None else self._doubles[self.tree.top].top[0]
 
     @cached_property
     def exact(self) -> Fraction | None:
-        """The same as a rational;
-
-        None unless all events below the top have rational probabilities. Slow on large diagrams (`nodes`).
-        """
+        """The same as a rational; None unless all events below the top have one. Slow on large diagrams (`nodes`)."""
         return None if self._rationals is None else self._rationals[self.tree.top].top[0]
 
     @property
     def bounds(self) -> tuple[float, float] | None:
-        """Doubles that enclose the probability whatever the rounding in `probability` (above 1e-300, where doubles
-        lose digits).
+        """Doubles that enclose the probability, whatever the rounding in `probability` (not below 1e-300).
 
         Nothing is subtracted, so relative errors add up along a path: per level half an ulp for the product, half for
         the sum, and the error of the chance, at most 3 half ulps for 1 - exp(-x) and 3 + x for exp(-x) with a math
@@ -177,8 +168,6 @@ class Solution:
 @dataclass(frozen=True)
 class _Chances(Generic[Number]):
     """The chances of a module's variables, of its diagram's nodes, and of its function."""
-
-    exit_code = 3
 
     variables: list[Chance[Number]]
     nodes: dict[int, Chance[Number]]

@@ -15,6 +15,7 @@ from safety.trees.solve import Solution, solve
 from safety.trees.tree import FaultTree
 
 EXACT_NODES = 20_000  # largest diagram whose exact rational is computed unasked
+EXACT_BITS = 13_000  # longest denominator written out, about 3,900 digits
 LISTED = 200  # minimal cut sets listed, the smallest first
 
 
@@ -22,9 +23,9 @@ def summary(tree: FaultTree, *, source: str = "", read_s: float | None = None, l
     """Solve `tree` and give its entry for the "trees" of a results document.
 
     `source` says where the tree came from (a file, a model) and `read_s` how many seconds reading took. Probabilities
-    that are not known are None; "exact" is the probability as "p/q" where all are rational and the diagram has at
-    most EXACT_NODES nodes. The probability lies between "probability_low" and "probability_high" whatever the
-    rounding. Raises TooLarge.
+    that are not known are None; "exact" is the probability as "p/q" where all are rational, the diagram has at most
+    EXACT_NODES nodes and the denominator at most EXACT_BITS bits. The probability lies between "probability_low" and
+    "probability_high" whatever the rounding. Raises TooLarge.
     """
     started = time.perf_counter()
     solution = solve(tree)
@@ -45,7 +46,7 @@ def summary(tree: FaultTree, *, source: str = "", read_s: float | None = None, l
         "probability": probability,
         "probability_low": low,
         "probability_high": high,
-        "exact": None if exact is None else str(exact),
+        "exact": None if exact is None or exact.denominator.bit_length() > EXACT_BITS else str(exact),
         "minimal_cut_sets": cut_sets,
         "importance": [_plain(measures) | {"source": sources[measures.event]} for measures in importance],
         "structure": to_document(tree),

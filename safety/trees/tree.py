@@ -25,13 +25,13 @@ DISAGREEMENT = Fraction(1, 100)  # allowed between a probability and the rate be
 
 
 class TreeError(ValueError):
-    """What was given is no fault tree. `item` names the event or gate at fault, for a reader to add file and line."""
+    """What was given is no fault tree: `item` is the event or gate at fault, `place` the "file:line" if it was read."""
 
     exit_code = 2
 
-    def __init__(self, message: str, item: str = "") -> None:
-        super().__init__(message)
-        self.item = item
+    def __init__(self, message: str, item: str = "", place: str = "") -> None:
+        super().__init__(f"{place}: {message}" if place else message)
+        self.message, self.item, self.place = message, item, place
 
 
 def exact(value: Rational, what: str, item: str = "") -> Fraction:

@@ -30,7 +30,7 @@ class Element:
 
     def error(self, message: str) -> TreeError:
         """An error at this element's place."""
-        return TreeError(f"{self.place}: {message}")
+        return TreeError(message, place=self.place)
 
 
 def parse(text: bytes, file: str) -> Element:
@@ -55,8 +55,8 @@ def parse(text: bytes, file: str) -> Element:
 
     def doctype(*_: object) -> None:
         raise TreeError(
-            f"{file}:{parser.CurrentLineNumber}: a document type (<!DOCTYPE>) is not accepted, "
-            "as it could define entities; remove it"
+            "a document type (<!DOCTYPE>) is not accepted, as it could define entities; remove it",
+            place=f"{file}:{parser.CurrentLineNumber}",
         )
 
     parser.StartElementHandler = start

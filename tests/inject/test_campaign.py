@@ -1,4 +1,4 @@
-"""A campaign from declaration to results entry: classes, fractions, expectations, failure modes, replay, interruption."""
+"""A campaign from declaration to results entry: classes, fractions, expectations, failure modes, replay, stop."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ import msgspec
 import pytest
 
 from safety.faults import Fault, flip, stuck
-from safety.inject import Campaign, CampaignError, Group, Seen, campaigns, stuck_bits, write_csv
+from safety.inject import Campaign, CampaignError, Group, Counts, campaigns, stuck_bits, write_csv
 from safety.inject import classes as classes_module
 from safety.report.schema import Campaign as Entry
 from safety.report.standing import standing
@@ -24,25 +24,27 @@ Make = Callable[..., Campaign]
 
 def test_every_injection_comes_to_a_class(campaign: Make) -> None:
     entry = campaign().run()
-    assert entry["classes"] == {"safe": 2, "detected": 6, "dangerous_undetected": 2, "no_effect": 0}
-    assert entry["cells"] == {"safe/yes": 4, "safe/no": 2, "wrong/yes": 2, "wrong/no": 2}
+    assert entry["classes"] == {"safe": 2, "detected": 3, "dangerous_undetected": 4, "no_effect": 5}
+    assert entry["cells"] == {"neutral/yes": 1, "neutral/no": 5, "safe/no": 2, "wrong/yes": 2, "wrong/no": 4}
     assert entry["groups"] == [
-        {"group": "count", "counts": {"safe/yes": 4, "safe/no": 1, "wrong/yes": 2, "wrong/no": 1}},
+        {"group": "count", "counts": {"neutral/no": 3, "safe/no": 1, "wrong/yes": 1, "wrong/no": 3}},
         {"group": "lamp", "counts": {"safe/no": 1, "wrong/no": 1}},
+        {"group": "input", "counts": {"neutral/no": 1, "wrong/yes": 1}},
+        {"group": "watchdog", "counts": {"neutral/yes": 1, "neutral/no": 1}},
     ]
 
 
 def test_coverage_and_safe_failure_fraction_are_those_of_the_standard(campaign: Make) -> None:
     entry = campaign().run()
-    assert entry["diagnostic_coverage"] == {"value": 0.5, "low": 0.5, "high": 0.5, "exact": "1/2"}  # 2 of 4 dangerous
-    assert entry["safe_failure_fraction"] == 0.8  # 6 safe and 2 dangerous detected of 10
-    assert entry["detected_of_all"]["exact"] == "3/5"
+    assert entry["diagnostic_coverage"] == {"value": 1 / 3, "low": 1 / 3, "high": 1 / 3, "exact": "1/3"}
+    assert entry["safe_failure_fraction"] == 5 / 9  # safe: 2 undetected and the false alarm; of 6 dangerous 2 detected
+    assert entry["detected_of_all"]["exact"] == "3/14"
 
 
 def test_a_sample_has_an_interval_and_is_not_exhaustive(campaign: Make) -> None:
-    whole, part = campaign().inject(), campaign(sample=6, seed=3).inject()
+    whole, part = campaign().inject(), campaign(sample=9, seed=3).inject()
     found = part.diagnostic_coverage
-    assert found is not None and found.exact is None and found.low <= 0.5 <= found.high
+    assert found is not None and found.exact is None and found.low <= 1 / 3 <= found.high
     assert whole.exhaustive and not part.exhaustive
     assert part.to_json()["expect"] == {"exhaustive": False}
 
@@ -55,22 +57,22 @@ def test_the_entry_has_the_keys_of_the_results_document(campaign: Make) -> None:
     msgspec.convert(json.loads(json.dumps(entry)), Entry)
 
 
-# --- as declared -------------------------------------------------------------------------------------------------------
+# --- as declared ------------------------------------------------------------------------------------------------------
 
 
 def test_a_count_other_than_declared_is_a_failure(campaign: Make) -> None:
-    right = campaign(expect={"detected": 6, "wrong/no": 2}).run()
-    wrong = campaign(expect={"detected": 5, "wrong/no": 2}).run()
+    right = campaign(expect={"detected": 3, "wrong/no": 4}).run()
+    wrong = campaign(expect={"detected": 2, "wrong/no": 4}).run()
     assert (right["as_expected"], right["surprises"]) == (True, [])
-    assert (wrong["as_expected"], wrong["surprises"]) == (False, ["all: 6 detected, expected 5"])
-    assert standing("campaigns", wrong).reason == "all: 6 detected, expected 5"
+    assert (wrong["as_expected"], wrong["surprises"]) == (False, ["all: 3 detected, expected 2"])
+    assert standing("campaigns", wrong).reason == "all: 3 detected, expected 2"
 
 
 @pytest.mark.parametrize(
     ("expect", "surprise"),
     [
         ({"safe/no": 1, "wrong/no": 1}, []),
-        ({"safe/no": 2}, ["lamp: 0 wrong/no, expected 1", "lamp: 1 safe/no, expected 2"]),
+        ({"safe/no": 2}, ["lamp: 1 safe/no, expected 2", "lamp: 1 wrong/no, expected 0"]),
         ({"wrong/no": 1}, ["lamp: 1 safe/no, expected 0"]),
     ],
 )
@@ -80,18 +82,18 @@ def test_a_group_other_than_declared_is_a_failure(campaign: Make, expect: dict[s
 
 
 def test_a_wrong_class_rule_changes_the_result(campaign: Make, monkeypatch: pytest.MonkeyPatch) -> None:
-    declared = campaign(expect={"safe": 2, "dangerous_undetected": 2})
+    declared = campaign(expect={"safe": 2, "dangerous_undetected": 4})
     assert declared.inject().surprises() == []
     monkeypatch.setitem(classes_module._UNDETECTED, "wrong/no", "safe")
-    assert declared.inject().surprises() == ["all: 4 safe, expected 2", "all: 0 dangerous_undetected, expected 2"]
+    assert declared.inject().surprises() == ["all: 6 safe, expected 2", "all: 0 dangerous_undetected, expected 4"]
 
 
 def test_a_run_on_both_sides_is_wrong(campaign: Make) -> None:
-    everything = campaign(safe_side=lambda seen: seen["lit"].min(axis=0) != 8)
-    assert everything.inject().tally["wrong/no"] == 2
+    everything = campaign(safe_side=lambda counts: counts["lit"].max(axis=0) != 8)
+    assert everything.inject().tally["wrong/no"] == 4
 
 
-# --- refusals ----------------------------------------------------------------------------------------------------------
+# --- refusals ---------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -108,8 +110,8 @@ def test_a_run_on_both_sides_is_wrong(campaign: Make) -> None:
         ({"stimulus": {"run": True, "go": True}}, "names 'go', which is no open input; the inputs are run"),
         ({"stimulus": {"run": 1}}, "frame 0: input run is bit: 1 is not a value"),
         ({"observe": {"lit": "lit", "alarm": "count"}}, "'alarm' observes a u4; write a comparison"),
-        ({"wrong_side": lambda seen: seen.total("lit") > 0}, "fault-free run is judged wrong/no"),
-        ({"detected": lambda seen: True}, "fault-free run is judged neutral/yes"),
+        ({"wrong_side": lambda counts: counts.total("lit") > 0}, "fault-free run is judged wrong/no"),
+        ({"detected": lambda counts: True}, "fault-free run is judged neutral/yes"),
     ],
 )
 def test_a_declaration_that_cannot_be_meant_is_refused(campaign: Make, changes: Any, message: str) -> None:
@@ -119,10 +121,10 @@ def test_a_declaration_that_cannot_be_meant_is_refused(campaign: Make, changes: 
 
 def test_a_wire_that_is_not_observed_is_named(campaign: Make) -> None:
     with pytest.raises(KeyError, match="'lamp' is not observed; there is lit, alarm"):
-        campaign(detected=lambda seen: seen.ever("lamp")).inject()
+        campaign(detected=lambda counts: counts.ever("lamp")).inject()
 
 
-# --- failure modes -----------------------------------------------------------------------------------------------------
+# --- failure modes ----------------------------------------------------------------------------------------------------
 
 
 def rated(rate: str | None = "2e-8") -> list[Group]:
@@ -136,9 +138,9 @@ def test_rates_are_divided_by_what_was_found(campaign: Make) -> None:
     entry = campaign(faults=rated()).run()
     first = entry["fmeda"][0]
     assert [first[k] for k in ("part", "mode", "faults", "tag")] == ["counter", "bit stuck", 8, "A"]
-    assert [first[k] for k in ("lambda_s", "lambda_dd", "lambda_du")] == [5e-8, 2e-8, 1e-8]
-    assert entry["by_rate"]["diagnostic_coverage"]["exact"] == "1/2"  # 2e-8 of 2e-8 + 1e-8 + 1e-8
-    assert entry["by_rate"]["safe_failure_fraction"]["exact"] == "4/5"
+    assert [first[k] for k in ("lambda_s", "lambda_dd", "lambda_du")] == [1e-8, 1e-8, 3e-8]
+    assert entry["by_rate"]["diagnostic_coverage"]["exact"] == "1/5"  # 1e-8 of 1e-8 + 3e-8 + 1e-8
+    assert entry["by_rate"]["safe_failure_fraction"]["exact"] == "3/7"  # 1e-8 + 1e-8 + 1e-8 of these and 4e-8
 
 
 def test_without_rates_nothing_is_weighted(campaign: Make) -> None:
@@ -154,6 +156,11 @@ def test_a_mode_without_weight_fails(campaign: Make) -> None:
         campaign(faults=rated(None)).run()
 
 
+def test_a_sample_without_a_rated_group_fails(campaign: Make) -> None:
+    with pytest.raises(CampaignError, match="the sample has no fault of group 'lamp', which has a rate"):
+        campaign(faults=rated(), sample=1, seed=0).run()
+
+
 def test_the_table_is_written_as_csv(campaign: Make, tmp_path: Path) -> None:
     write_csv(campaign(faults=rated()).inject().rows, tmp_path / "fmeda.csv")
     with (tmp_path / "fmeda.csv").open(encoding="utf-8", newline="") as file:
@@ -162,7 +169,7 @@ def test_the_table_is_written_as_csv(campaign: Make, tmp_path: Path) -> None:
     assert rows[1]["rate_per_h"] == "2e-08" and rows[1]["tag"] == "A"
 
 
-# --- runs --------------------------------------------------------------------------------------------------------------
+# --- runs -------------------------------------------------------------------------------------------------------------
 
 
 def test_every_injection_replays_to_its_cell(campaign: Make) -> None:
@@ -175,12 +182,12 @@ def test_every_injection_replays_to_its_cell(campaign: Make) -> None:
 def test_a_replay_records_what_is_asked_for(campaign: Make) -> None:
     found = campaign().replay("lit stuck-at-1", keep=["count", "lit"])
     assert found.trace["lit"] == [True] * 96
-    assert found.trace["count"][:3] == [0, 1, 2]
+    assert found.trace["count"][:3] == [8, 9, 10]
 
 
 def test_dangerous_undetected_injections_are_listed_for_replay(campaign: Make) -> None:
     entry = campaign().run()
-    assert len(entry["replay"]) == 2 and "timer::lit stuck-at-1" in entry["replay"]
+    assert len(entry["replay"]) == 4 and "timer::lit stuck-at-1" in entry["replay"]
 
 
 def test_ctrl_c_keeps_the_batches_that_are_complete(campaign: Make) -> None:
@@ -194,6 +201,8 @@ def test_ctrl_c_keeps_the_batches_that_are_complete(campaign: Make) -> None:
     assert result.interrupted and not result.exhaustive
     assert result.tally.injections == 1
     assert "interrupted after 1 of 2 injections" in result.surprises()
+    entry = result.to_json()
+    assert (entry["classes"]["dangerous_undetected"], entry["diagnostic_coverage"], entry["by_rate"]) == (1, None, None)
 
 
 def test_progress_ends_at_all(campaign: Make) -> None:
@@ -207,7 +216,7 @@ def test_campaigns_register_under_their_id_once(campaign: Make) -> None:
     assert first in campaigns()
     again = campaign(id="registered")
     assert again in campaigns() and first not in campaigns()
-    with pytest.raises(CampaignError, match="'registered' of proofs.other has the id of one of"):
+    with pytest.raises(CampaignError, match=r"'registered' of proofs\.other has the id of one of"):
         campaign(id="registered", module="proofs.other")
 
 
@@ -219,12 +228,12 @@ def test_a_fault_that_changes_nothing_is_not_effective(campaign: Make) -> None:
 def test_judges_see_blocks_totals_and_the_healthy_run(campaign: Make) -> None:
     shapes: list[Any] = []
 
-    def judge(seen: Seen) -> Any:
-        shapes.append((seen["lit"].shape, seen.total("lit").shape, seen.healthy("lit"), seen.runs))
-        return seen.total("lit") > seen.healthy("lit")
+    def judge(counts: Counts) -> Any:
+        shapes.append((counts["lit"].shape, counts.total("lit").shape, counts.healthy("lit"), counts.runs))
+        return counts.total("lit") > counts.healthy("lit")
 
     campaign(wrong_side=judge).inject()
-    assert shapes[0] == ((4, 11), (11,), 32, 11)
+    assert shapes[0] == ((4, 15), (15,), 32, 15)
 
 
 def test_declaring_a_campaign_loads_neither_numpy_nor_a_solver() -> None:

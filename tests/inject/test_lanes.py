@@ -10,7 +10,18 @@ from typing import Any
 import pytest
 
 from safety.faults import (
-    ANY_TIME, INTERMITTENT, TRANSIENT, Fault, Kind, byzantine, delayed, extra, flip, frozen, missing, open_circuit,
+    ANY_TIME,
+    INTERMITTENT,
+    TRANSIENT,
+    Fault,
+    Kind,
+    byzantine,
+    delayed,
+    extra,
+    flip,
+    frozen,
+    missing,
+    open_circuit,
     stuck,
 )  # fmt: skip
 from safety.inject import Campaign, CampaignError, Group
@@ -156,7 +167,7 @@ def test_a_fault_that_begins_inside_a_frame_is_refused(campaign: Make) -> None:
 
 def test_a_broken_assumption_is_refused(campaign: Make) -> None:
     with pytest.raises(CampaignError, match="breaks an assumption"):
-        campaign(stimulus=lambda frame: {"run": frame != 40}, wrong_side=lambda seen: False).inject()
+        campaign(stimulus=lambda frame: {"run": frame != 40}, wrong_side=lambda counts: False).inject()
 
 
 def test_groups_keep_their_faults(campaign: Make) -> None:

@@ -9,10 +9,23 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from safety.faults import Fault, Kind, Seat, byzantine, delayed, extra, flip, frozen, missing, open_circuit, stuck, welded
+from safety.faults import (
+    Fault,
+    Kind,
+    Seat,
+    byzantine,
+    delayed,
+    extra,
+    flip,
+    frozen,
+    missing,
+    open_circuit,
+    stuck,
+    welded,
+)
 from safety.inject import CampaignError
 from safety.inject.masks import Mask, changes_nothing, mask_of, masks
-from safety.model import trace
+from safety.tracing import trace
 from safety.system import ModelError, System, substitute
 from safety.terms.graph import BIT, Sort, integer, uint, variable
 from safety.terms.values import bit, const

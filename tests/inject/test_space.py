@@ -10,7 +10,7 @@ import pytest
 from safety.faults import Fault, every, flip, frozen
 from safety.inject import CampaignError, Group, each_bit, stuck_bits, upsets
 from safety.inject.space import enumerate_space
-from safety.model import trace
+from safety.tracing import trace
 from safety.system import ModelError, System
 
 

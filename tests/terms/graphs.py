@@ -191,12 +191,15 @@ R: Any = variable("r", REAL)
 S: Any = variable("s", REAL)
 A8, B8, N4, A64, B64 = _words(8, 8, 4, 64, 64)
 A63, B63 = _words(63, 63)
-I, J, BIG = _ints((-7, 300), (-9, -2), (-(2**64), 2**64))
-PAIRS = [(A8, B8), (A8, N4), (N4, A8), (A8, I), (I, A8), (I, J), (A64, B64), (A63, B63), (A8, A64), (BIG, A8), (J, BIG)]
+H, J, K, L, INT64, BIG = _ints((-7, 300), (-9, -2), (-128, 127), (-8, 7), (-(2**63), 2**63 - 1), (-(2**64), 2**64))
+PAIRS = [
+    *((A8, B8), (A8, N4), (N4, A8), (A8, H), (H, A8), (A8, K), (K, L), (L, H), (H, J)),
+    *((A64, B64), (A63, B63), (A8, A64), (BIG, A8), (J, BIG), (INT64, A8), (INT64, L)),
+]
 
 
 def _pairs(f: Callable[[Any, Any], Any], reals: bool = True) -> list[Term]:
-    return [f(x, y) for x, y in PAIRS] + ([f(R, S), f(A8, R), f(R, I)] if reals else [])
+    return [f(x, y) for x, y in PAIRS] + ([f(R, S), f(A8, R), f(R, H)] if reals else [])
 
 
 def _fixed(value: Any, sort: Sort, name: str) -> Any:
@@ -206,11 +209,19 @@ def _fixed(value: Any, sort: Sort, name: str) -> Any:
 
 EDGES: dict[str, list[Any]] = {
     "const": [
-        *(bit(True), bit(False) ^ P, word(200, 8) < A8, A64 + word(2**64 - 1, 64), I + 5, R + Fraction(1, 3), real(-2) < R),
+        *(
+            bit(True),
+            bit(False) ^ P,
+            word(200, 8) < A8,
+            A64 + word(2**64 - 1, 64),
+            H + 5,
+            R + Fraction(1, 3),
+            real(-2) < R,
+        ),
         *(const(b, BIG.sort) for b in BIG.sort.bounds),
     ],
     "point": [
-        *(node("point", (x,), f"here {x.attr}", x.sort) for x in (P, A8, A64, I, R)),
+        *(node("point", (x,), f"here {x.attr}", x.sort) for x in (P, A8, A64, H, R)),
         *(_fixed(True, BIT, "on") & P, _fixed(9, uint(8), "nine") + A8, _fixed(2**70, uint(71), "big")),
     ],
     "not": [~P, ~_fixed(True, BIT, "on"), ~_fixed(True, BIT, "on") | P],
@@ -221,18 +232,37 @@ EDGES: dict[str, list[Any]] = {
     "add": _pairs(lambda x, y: x + y),
     "sub": _pairs(lambda x, y: x - y),
     "mul": _pairs(lambda x, y: x * y),
-    "eq": [P == Q, *_pairs(lambda x, y: x == y)],
+    "eq": [*_pairs(lambda x, y: x == y), P == Q],
     "lt": _pairs(lambda x, y: x < y),
     "le": _pairs(lambda x, y: x <= y),
     "select": [
-        *(select(P, x, y) for x, y in ((P ^ Q, Q), (A8, B8), (A64, B64), (I, J), (I, A8), (J, BIG), (R, S), (R, A8))),
+        *(select(P, x, y) for x, y in ((P ^ Q, Q), (A8, B8), (A64, B64), (H, J), (H, A8), (J, BIG), (R, S), (R, A8))),
         *(select(P, const(2**63, uint(64)), const(5, uint(64))), select(P, word(1, 1), word(0, 1))),
     ],
-    "cast": [*(A8.widen(9), N4.widen(64), A64.widen(65), A63.widen(64), A8.int(), A64.int()), A8.real(), I.real(), BIG.real()],
-    "clip": [*(A8.sat(4), A64.sat(8), I.sat(4), I.sat(64), J.sat(8), BIG.sat(8), BIG.sat(64)), I.clip(-3, 9), J.clip(2, 5)],
+    "cast": [
+        *(A8.widen(9), N4.widen(64), A64.widen(65), A63.widen(64), A8.int(), A64.int()),
+        A8.real(),
+        H.real(),
+        BIG.real(),
+    ],
+    "clip": [
+        *(A8.sat(4), A64.sat(8), H.sat(4), H.sat(64), J.sat(8), BIG.sat(8), BIG.sat(64)),
+        H.clip(-3, 9),
+        J.clip(2, 5),
+    ],
     "slice": [
         *(A8.low(7), A8.low(1), A8.slice(1, 3), A8.slice(3, 5), A64.slice(1, 62), A64.slice(32, 32), (A8 + B8).low(8)),
-        *(I.low(4), I.low(8), I.low(64), J.low(4), J.low(63), J.low(128), BIG.low(64), (N4 - 3).low(4), (A8 * 7).low(8)),
+        *(
+            H.low(4),
+            H.low(8),
+            H.low(64),
+            J.low(4),
+            J.low(63),
+            J.low(128),
+            BIG.low(64),
+            (N4 - 3).low(4),
+            (A8 * 7).low(8),
+        ),
     ],
     "bit": [A8.bit(0), A8.bit(3), A8.bit(7), A64.bit(63), A64.bit(31), (A8 + B8).bit(8)],
     "concat": [A8.concat(N4), N4.concat(A8), A8.concat(A64), A64.concat(A8), N4.concat(A63)],
@@ -244,7 +274,7 @@ EDGES: dict[str, list[Any]] = {
 }
 
 
-def edge_rows(outputs: list[Term], most: int = 12) -> list[dict[Term, Any]]:
+def edge_rows(outputs: list[Term], most: int = 30) -> list[dict[Term, Any]]:
     """Edge values of the variables in combination, thinned out evenly."""
     from safety.terms.graph import variables
 

@@ -135,6 +135,7 @@ MALFORMED = {
         r'tree.xml:2: min="two" of <atleast> is not a whole number',
     ),
     "formula": (xml(gate(f"<pand>{A}</pand>")), r"tree.xml:2: <pand> is no formula known here, expected one of and"),
+    "xor of three": (xml(gate(f"<xor>{A}{A}{A}</xor>")), r"tree.xml:2: <xor> has 3 arguments, expected 2"),
     "two formulas": (xml(gate(f"<or>{A}</or><or>{A}</or>")), r'tree.xml:2: <define-gate> "top" holds 2 elements'),
     "element": (xml(gate(f"<or>{A}</or>") + "<define-CCF-group/>"), r"tree.xml:2: <define-CCF-group> is not supported"),
     "probability": (
@@ -179,8 +180,9 @@ MALFORMED = {
 @pytest.mark.parametrize("case", MALFORMED)
 def test_malformed_files_are_refused_with_file_and_line(tmp_path, case):
     text, message = MALFORMED[case]
-    with pytest.raises(TreeError, match=message):
+    with pytest.raises(TreeError, match=message) as error:
         read(put(tmp_path, text))
+    assert str(error.value).count("tree.xml") == 1
 
 
 ENTRIES = {

@@ -67,6 +67,13 @@ def test_unknown_is_none_and_infinite_is_inf():
     assert {row["risk_reduction_worth"] for row in known["importance"]} == {"inf"}
 
 
+def test_a_rational_too_long_to_write_still_gives_neighbouring_bounds():
+    events = tuple(BasicEvent(f"e{i}", Fraction(1, 10**60 + 7 * i)) for i in range(80))
+    entry = summary(FaultTree("t", "top", (Gate("top", "xor", tuple(e.name for e in events)),), events))
+    assert entry["exact"] is None
+    assert math.nextafter(entry["probability_low"], 1) == entry["probability_high"]
+
+
 def test_rates_give_an_enclosure_and_no_rational():
     events = tuple(BasicEvent(name, rate_per_hour="1e-7", mission_time_h=8760) for name in "abc")
     entry = summary(FaultTree("2oo3", "top", (Gate("top", "vote", tuple("abc"), 2),), events))

@@ -15,7 +15,7 @@ from models.ts7.parts import CheckWindow, Comparator, Divider, Drive
 from models.ts7.signals import Lines, Selection, WiredOr
 from models.ts7.train import PER_WORD, SCALE, Bench
 from safety.faults import Fault, instrument, stuck
-from safety.model import trace
+from safety.tracing import trace
 from safety.terms.texts import compile_lanes, lane_type
 from safety.trace import Trace, run
 
@@ -45,7 +45,7 @@ class Fleet:
     def some(self, var: Any) -> Any:
         if lane_type(var) == np.bool_:
             return self.rng.random(self.size) < 0.5
-        return self.rng.integers(*var.sort.bounds, self.size, endpoint=True)
+        return self.rng.integers(var.sort.low, var.sort.high, self.size, endpoint=True)
 
     def run(self, frames: int, inputs: Mapping[str, Any]) -> Any:
         """First frame with the brake per bench, `frames` where there is none."""
@@ -227,8 +227,8 @@ def test_words_of_the_signals_and_when_lowered() -> None:
 def test_lowest_signal_wins_and_none_is_stop() -> None:
     for some in range(64):
         active = [v for k, v in enumerate((0, *SPEEDS)) if some >> k & 1]
-        expected = WORD[min(active)] if active and min(active) else 0
-        assert run(Selection, lines(*active), 1)["word"] == [expected]
+        lowest = min(active, default=0)
+        assert run(Selection, lines(*active), 1)["word"] == [WORD[lowest] if lowest else 0]
 
 
 def test_p11_wire_ored_lines_read_as_90() -> None:

@@ -39,8 +39,14 @@ def test_p3_rate_per_speed_is_the_same_for_every_wheel() -> None:
 
 @pytest.mark.parametrize(
     ("speed", "is_", "error"),
-    [(25, "24.9757", "-0.0243"), (45, "44.7677", "-0.2323"), (65, "65.0310", "0.0310"), (75, "74.9270", "-0.0730"), (90, "90.0066", "0.0066")],
-)  # fmt: skip
+    [
+        (25, "24.9757", "-0.0243"),
+        (45, "44.7677", "-0.2323"),
+        (65, "65.0310", "0.0310"),
+        (75, "74.9270", "-0.0730"),
+        (90, "90.0066", "0.0066"),
+    ],
+)
 def test_table_of_words(speed: int, is_: str, error: str) -> None:
     assert near(numbers.speed_of(WORD[speed]).low, is_)
     assert near(numbers.word_error(speed).low, error)

@@ -11,7 +11,8 @@ import pytest
 
 from models.ts7 import channel, parts, power, ring, signals, system, threshold, train, voting
 from safety.faults import instrument
-from safety.model import Model, direct_step, trace
+from safety.model import Model
+from safety.tracing import direct_step, trace
 from safety.system import ModelError
 from safety.terms.graph import Sort
 from safety.trace import Stepper, run

@@ -10,7 +10,7 @@ import pytest
 
 from models.ts7.ring import BITS_A_FRAME, Overflow, Ring, Words
 from safety.faults import Fault, instrument, stuck
-from safety.model import trace
+from safety.tracing import trace
 from safety.system import repeat
 from safety.trace import run
 

@@ -12,7 +12,7 @@ from models.ts7.numbers import SPEEDS
 from models.ts7.system import EdgeRule, RuleB, Settling, Ts7, WiredSignals
 from models.ts7.train import PER_WORD
 from safety.faults import Fault, instrument, schedule, stuck, welded
-from safety.model import trace
+from safety.tracing import trace
 from safety.system import System
 from safety.trace import Trace, run
 
@@ -134,7 +134,7 @@ def test_edge_rule_refuted() -> None:
 
 
 def test_property_10_fails_frame_by_frame() -> None:
-    """Spread 4 words, inside the accuracy: just above the lowest limit, at constant speed, a healthy one is isolated."""
+    """Spread 4 words, inside the accuracy: just above the lowest limit a healthy channel is isolated."""
     seen = drive(lambda k: 0 if k < 1000 else 135, 30_000, settings={"a.offset": -4})
     assert now(seen, "targets") != ""
     together = drive(lambda k: 0 if k < 1000 else 139, 30_000)

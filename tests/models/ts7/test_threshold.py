@@ -14,7 +14,7 @@ import pytest
 
 from models.ts7.threshold import BothRemaining, Thresholds
 from safety.faults import Fault, instrument, stuck
-from safety.model import trace
+from safety.tracing import trace
 from safety.trace import Stepper, initial_state, run
 
 JUST = Fraction(1, 100)
@@ -38,7 +38,7 @@ def compiled(model: Any, silent: str) -> Stepper:
 def windows(
     e: Iterable[Fraction], xs: Iterable[Fraction], model: type[Thresholds] = Thresholds, silent: str = ""
 ) -> Seen:
-    stepper = compiled(model, silent)
+    stepper: Stepper = compiled(model, silent)  # type: ignore[arg-type]
     state, _ = initial_state(stepper.system, dict(zip(LIMITS, e, strict=True)))
     seen: Seen = {path: [] for path in stepper.observed}
     for x in xs:

@@ -1,0 +1,45 @@
+"""The last results of a project, in .rightside/last.json: what --lf, replay and report go by.
+
+A run of a part is merged into what is there.  Results of an older text of models/ or proofs/ are marked `outdated`:
+good enough to choose what to run first, not good enough for a report.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from safety.report.results import Results, ResultsError, load, merge, save, write_text
+from safety.report.schema import JUDGED
+
+FOLDER, FILE = ".rightside", "last.json"
+
+
+def last(root: Path) -> Results:
+    """The last results; an empty document when there are none that can be read."""
+    try:
+        return load(root / FOLDER / FILE)
+    except ResultsError:
+        return {}
+
+
+def keep(root: Path, results: Results, whole: Sequence[str]) -> str:
+    """Merge results into the last ones, replacing the sections in `whole`; a warning when that is not possible."""
+    before = {name: value for name, value in last(root).items() if name not in (*whole, "runs", "limits", "interrupted")}
+    if before.get("models") != results.get("models"):
+        for section in JUDGED:
+            before[section] = [{**entry, "outdated": True} for entry in before.get(section, ())]
+    before.pop("models", None)
+    try:
+        folder = root / FOLDER
+        if not (folder / ".gitignore").exists():
+            write_text(folder / ".gitignore", "*\n")
+        save(merge(before, results), folder / FILE)
+    except OSError as error:
+        return f"the results could not be kept for --lf, replay and report: {folder}: {error.strerror}"
+    return ""
+
+
+def outdated(results: Results) -> int:
+    """How many results are of an older text than the newest."""
+    return sum(bool(entry.get("outdated")) for section in JUDGED for entry in results.get(section, ()))

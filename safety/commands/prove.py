@@ -1,0 +1,33 @@
+"""Prove or refute the claims of proofs/.
+
+Each claim states the verdict it expects; anything else is shown as not as asked.  A refuted claim is shown with the
+run that breaks it: a star marks a changed cell, an exclamation mark the step at which the claim is false.
+"""
+
+from __future__ import annotations
+
+from argparse import ArgumentParser, Namespace
+
+from safety.commands import options
+from safety.commands.session import work
+
+EXAMPLES = """
+rightside prove                           all claims
+rightside prove -k "voting and not two"   those whose id, model or requirement contains the words
+rightside prove --req TS7-7 -x            those for a requirement, up to the first that is not as asked
+rightside prove --lf --timeout 300        those that failed the last time, with more time
+rightside prove --set k=120 --vcd waves   with another parameter; waveforms of what is refuted
+"""
+
+
+def add_arguments(parser: ArgumentParser) -> None:
+    """Options of the verb."""
+    options.add_selection(parser)
+    options.add_work(parser)
+    parser.add_argument("--vcd", metavar="DIR", help="write the run of each refuted claim as a waveform into this folder")
+    parser.add_argument("-q", "--quiet", action="store_true", help="no tables for claims that are refuted as they must be")
+
+
+def run(args: Namespace) -> int:
+    """Carry out the verb."""
+    return work(args, "claims", tables=not args.quiet).code

@@ -1,0 +1,166 @@
+"""Run a model on the Python reading and show its signals, a line a step at which something changed.
+
+Inputs are constants (NAME=VALUE) or rows of a CSV file whose head names them; what the file lacks is taken from the
+constants.  A fault is KIND@POINT, with :AT for its first step and +TICKS for its length.  Kinds: stuck(0), stuck(1,
+bit=3), flip(), frozen, delayed(2), missing(3), extra, open_circuit, welded, byzantine (which reads 0 or false here).
+"""
+
+from __future__ import annotations
+
+import csv
+import sys
+from argparse import ArgumentParser, Namespace
+from collections.abc import Callable, Mapping
+from fnmatch import fnmatchcase
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+from safety.commands import INPUT_ERROR, CommandError, options
+from safety.commands.lookup import fault, model_named
+from safety.commands.output import data, probe, write, write_plain
+from safety.faults import Faulted, instrument, schedule
+from safety.project import open_project
+from safety.system import System, nearest
+from safety.terms.graph import Sort
+from safety.trace import Trace
+from safety.trace import run as run_system
+from safety.tracing import trace
+
+EXAMPLES = """
+rightside run Channel k=100 v=120 --steps 40
+rightside run Channel k=100 --csv speed.csv --show "d,trip"
+rightside run Channel k=100 v=120 --steps 40 --fault "stuck(0)@speed:10+5" --vcd run.vcd
+rightside run ts7.channel.Channel --set lowering=0 --start acc=17 --steps 8 --json -
+"""
+DEFAULT_STEPS = 20
+
+
+def add_arguments(parser: ArgumentParser) -> None:
+    """Options of the verb."""
+    parser.add_argument("model", metavar="MODEL", help="its name, or its full name below models/")
+    parser.add_argument("inputs", nargs="*", metavar="NAME=VALUE", help="inputs that stay the same")
+    parser.add_argument("--csv", metavar="FILE", help="inputs, a row a step")
+    parser.add_argument("--steps", metavar="N", type=int, help=f"how many (default: all rows of the file, else {DEFAULT_STEPS})")
+    parser.add_argument("--fault", metavar="KIND@POINT", action="append", default=[], help="may be repeated")
+    parser.add_argument("--start", metavar="NAME=VALUE", action="append", default=[], help="a register that powers up with any value")
+    parser.add_argument("--show", metavar="SIGNALS", help="names or patterns, separated by commas (default: all that change)")
+    parser.add_argument("--vcd", metavar="FILE", help="write the run as a waveform")
+    options.add_settings(parser)
+    options.add_json(parser)
+
+
+def run(args: Namespace) -> int:
+    """Carry out the verb."""
+    for target in filter(None, (args.vcd, args.json)):
+        probe(Path(target))
+    project = open_project(Path(args.project) if args.project else None)
+    project.load_models()
+    model = model_named(project, args.model)
+    system = trace(model, {**_fitting(project.config.settings, model), **dict(args.settings)})
+    fixed = {name: _typed(value, _sort(system, name), name) for name, value in map(_pair, args.inputs)}
+    rows, steps = _rows(args, system, fixed)
+    start = {name: _typed(value, _register(system, name), name) for name, value in map(_pair, args.start)}
+    faulted = instrument(system, [fault(text) for text in args.fault])
+    result = run_system(faulted.system, _with_faults(rows, faulted), steps, start=start)
+    _show(args, result, _chosen(args.show, result))
+    for problem in project.problems:
+        print(f"x {problem}", file=sys.stderr)
+    return INPUT_ERROR if project.problems else 0
+
+
+def _show(args: Namespace, result: Trace, paths: list[str]) -> None:
+    if args.vcd:
+        write(Path(args.vcd), result.vcd())
+        print(f"waveform: {args.vcd}", file=sys.stderr)
+    if args.json:
+        write_plain({"schema": "rightside/run/1", "model": result.system.name, **result.to_json(paths)}, args.json)
+    if args.json != "-":
+        data(result.table(paths))
+
+
+def _rows(args: Namespace, system: System, fixed: Mapping[str, Any]) -> tuple[Callable[[int], Mapping[str, Any]], int]:
+    """Inputs by step, and how many steps."""
+    table = _csv(Path(args.csv), system) if args.csv else None
+    steps = args.steps if args.steps is not None else len(table) if table is not None else DEFAULT_STEPS
+    if steps < 1:
+        raise CommandError(f"--steps {steps}: run one step or more")
+    if table is not None and steps > len(table):
+        raise CommandError(f"--steps {steps}: {args.csv} has {len(table)} rows; give more rows or fewer steps")
+    there = {*fixed, *(table[0] if table else ())}
+    for name, term in system.inputs.items():
+        if name not in there:
+            raise CommandError(f"{system.name} needs the input {name} ({term.sort}); write {name}=VALUE")
+    return (lambda k: {**fixed, **table[k]} if table is not None else fixed), steps
+
+
+def _csv(path: Path, system: System) -> list[dict[str, Any]]:
+    """The rows of a CSV file, typed by the model's inputs."""
+    with path.open(encoding="utf-8-sig", newline="") as file:
+        reader = csv.DictReader(file)
+        sorts = {name: _sort(system, name) for name in reader.fieldnames or ()}
+        rows = []
+        for row in reader:
+            if None in row or None in row.values():
+                raise CommandError(f"{path}:{reader.line_num}: this row has not the {len(sorts)} cells of the head")
+            rows.append({n: _typed(row[n].strip(), sort, f"{path}:{reader.line_num}: {n}") for n, sort in sorts.items()})
+    if not rows:
+        raise CommandError(f"{path} has no rows; write a head with input names, then a row a step")
+    return rows
+
+
+def _with_faults(rows: Callable[[int], Mapping[str, Any]], faulted: Faulted) -> Callable[[int], Mapping[str, Any]]:
+    choose = schedule(faulted)
+    return lambda step: {**rows(step), **choose(step)}
+
+
+def _chosen(patterns: str | None, result: Trace) -> list[str]:
+    """Signals to show: those named, else inputs and whatever changes; what a fault keeps to itself is left out."""
+    paths = [path for path in result.columns if not path.startswith("fault")]
+    if not patterns:
+        moving = [path for path in paths if any(value != result[path][0] for value in result[path])]
+        return moving or paths
+    chosen: list[str] = []
+    for pattern in patterns.split(","):
+        hits = [path for path in result.columns if fnmatchcase(path, pattern.strip())]
+        if not hits:
+            raise CommandError(f"--show {pattern}: {result.system.name} has no such signal; {nearest(pattern, paths)}")
+        chosen += [path for path in hits if path not in chosen]
+    return chosen
+
+
+def _pair(text: str) -> tuple[str, str]:
+    name, equals, value = text.partition("=")
+    if not (name and equals):
+        raise CommandError(f"{text!r} is not NAME=VALUE")
+    return name, value
+
+
+def _sort(system: System, name: str) -> Sort:
+    if name not in system.inputs:
+        raise CommandError(f"{system.name} has no input {name!r}; {nearest(name, system.inputs)}")
+    return system.inputs[name].sort
+
+
+def _register(system: System, name: str) -> Sort:
+    if name not in system.state:
+        raise CommandError(f"{system.name} has no register {name!r}; {nearest(name, system.state)}")
+    return system.state[name].var.sort
+
+
+def _typed(text: str, sort: Sort, where: str) -> Any:
+    """A value of a sort; a bit is 0, 1, true or false."""
+    words = {"0": False, "1": True, "false": False, "true": True}
+    try:
+        value: Any = words[text.lower()] if sort.kind == "bit" else Fraction(text) if sort.kind == "real" else int(text, 0)
+    except (KeyError, ValueError, ZeroDivisionError):
+        value = None
+    if not sort.admits(value):
+        raise CommandError(f"{where} is {sort}: {text!r} is not a value of it")
+    return value
+
+
+def _fitting(settings: Mapping[str, Any], model: Any) -> dict[str, Any]:
+    from safety.commands.evaluate import fitting
+
+    return fitting(model, settings)

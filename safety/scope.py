@@ -1,0 +1,67 @@
+"""What a trace collects while `step` runs, and the two calls by which a model speaks to it: `point` and `assume`."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from contextvars import ContextVar
+from dataclasses import dataclass, field
+from typing import Any, TypeVar, cast
+
+from safety.system import ModelError, Setting, State
+from safety.terms import Bit, Int, Real, Term, UInt
+from safety.terms.graph import node
+
+AnyTerm = TypeVar("AnyTerm", Bit, UInt, Int, Real)
+
+
+@dataclass
+class Scope:
+    """What a trace collects while `step` runs."""
+
+    root: str
+    settings: Mapping[str, Any]
+    symbolic: frozenset[str]
+    direct: bool = False
+    path: str = ""
+    signals: dict[str, Term] = field(default_factory=dict)
+    points: dict[str, Term] = field(default_factory=dict)
+    used: dict[str, Setting] = field(default_factory=dict)
+    rigid: dict[str, State] = field(default_factory=dict)
+    parts: dict[str, str] = field(default_factory=dict)
+    assumptions: dict[str, Term] = field(default_factory=dict)
+    start: list[Bit] = field(default_factory=list)
+
+    @contextmanager
+    def within(self, path: str) -> Iterator[None]:
+        before, self.path = self.path, path
+        try:
+            yield
+        finally:
+            self.path = before
+
+
+current: ContextVar[Scope | None] = ContextVar("scope", default=None)
+
+
+def point(name: str, value: AnyTerm) -> AnyTerm:
+    """Name a place where a fault can act; healthy it is `value`.  The full name takes the path of the part.
+
+    Raises `ModelError` when the name is used twice in one step.
+    """
+    scope = current.get()
+    if scope is None:
+        return value
+    full = scope.path + name
+    if full in scope.points:
+        raise ModelError(f"point {full!r} is named twice in one step; give the second one a name of its own")
+    named = value if scope.direct else node("point", (value,), full, value.sort)
+    scope.points[full] = named
+    return cast(AnyTerm, named)
+
+
+def assume(label: str, condition: Bit) -> None:
+    """State what the surroundings guarantee at every step; it is shown in each result and checked in each run."""
+    scope = current.get()
+    if scope is not None:
+        scope.assumptions[scope.path + label] = condition

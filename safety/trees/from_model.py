@@ -1,0 +1,110 @@
+"""Fault trees straight from a model: the cut sets of a hazard with their rates, drawn and solved.
+
+A fault of rate r over t hours is there with Q = 1 - exp(-r t), r and t exactly as declared.  Faults are taken to be
+independent.  What is known beyond the enumerated orders is stated and carried into the upper bound: if sets of more
+than m faults may exist, the top event is no likelier than the enumerated part plus the chance of more than m faults at
+once, at most the sum over all (m + 1)-subsets of the product of r t (union bound).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from fractions import Fraction
+from typing import Any
+
+from safety.prove.hazards import CutSets, Hazard
+from safety.prove.problem import build_problem
+from safety.prove.record import cut_set_entry
+from safety.system import ModelError, nearest
+from safety.trees.from_cut_sets import from_cut_sets
+from safety.trees.summary import summary
+from safety.trees.tree import TAGS, BasicEvent, FaultTree, exact
+
+CHANCE = "Q = 1 - exp(-rate x hours), faults independent"
+
+
+def tree_from_model(found: CutSets, hazard: Hazard) -> FaultTree:
+    """The fault tree whose minimal cut sets are those of the hazard; a fault without a rate has no probability.
+
+    Raises `ModelError` for a rate of a fault that the hazard does not have, `TreeError` for one that is no number.
+    """
+    names = [fault.name for fault in build_problem(hazard.claim).faults]
+    for name in hazard.rates:
+        if name not in names:
+            raise ModelError(f"{hazard.id}: there is a rate for the fault {name!r}; {nearest(name, names)}")
+    used = {name for one in found.sets for name in one.faults}
+    events = [_event(name, hazard) for name in names if name in used]
+    sets = [one.faults for one in found.sets]
+    return from_cut_sets(hazard.id, sets, events, description=hazard.claim.statement)
+
+
+def tree_entry(found: CutSets, hazard: Hazard, seconds: float | None = None) -> dict[str, Any]:
+    """The hazard's entry under "trees" of the results document; `seconds` is what finding the cut sets took."""
+    tree = tree_from_model(found, hazard)
+    entry = summary(tree, source=f"model {hazard.claim.model.__name__}", read_s=seconds)
+    status = {frozenset(one.faults): one.status for one in found.sets}
+    for one in entry["minimal_cut_sets"]["sets"]:
+        one["status"] = status[frozenset(one["events"])]
+    by_order = found.by_order()
+    entry |= cut_set_entry(found, hazard) | {
+        "model": hazard.claim.model.__name__,
+        "completeness": completeness(found),
+        "chance": CHANCE,
+        "hours": hazard.hours,
+        "as_expected": not hazard.expect or by_order == dict(hazard.expect),
+    }
+    if not entry["as_expected"]:
+        entry["note"] = f"cut sets by order {_orders(by_order)}, expected {_orders(hazard.expect)}"
+    return entry | _bounds(entry, found, hazard)
+
+
+def completeness(found: CutSets) -> str:
+    """How far the list of cut sets reaches."""
+    if found.all_orders:
+        return "complete at all orders"
+    if found.complete_to < 0:
+        return f"not complete: {found.why}"
+    rest = f"; {found.why}" if found.why else ", larger sets may exist"
+    return f"complete up to {found.complete_to} faults at once{rest}"
+
+
+def beyond(rates: Iterable[Fraction], order: int) -> Fraction:
+    """An upper bound on the chance of `order` or more of the faults at once, from their expected numbers r t."""
+    sums = [Fraction(1)] + [Fraction(0)] * order  # elementary symmetric polynomials so far
+    for expected in rates:
+        for k in range(order, 0, -1):
+            sums[k] += sums[k - 1] * expected
+    return min(sums[order], Fraction(1))
+
+
+def _event(name: str, hazard: Hazard) -> BasicEvent:
+    if name not in hazard.rates:
+        return BasicEvent(name, description="no rate given")
+    rate, source = hazard.rates[name]
+    tag = source[1:2] if source[:1] == "[" and source[1:2] in TAGS else ""
+    hours = exact(hazard.hours, f"hours of {hazard.id}")
+    return BasicEvent(name, None, exact(rate, f"rate of {name}"), hours, source, tag)
+
+
+def _bounds(entry: dict[str, Any], found: CutSets, hazard: Hazard) -> dict[str, Any]:
+    """Probability and bounds, made honest where candidates or missing orders leave something open."""
+    low, high = entry["probability_low"], entry["probability_high"]
+    if found.all_orders or low is None:
+        return {} if found.all_orders else {"probability": None, "probability_low": None, "probability_high": None}
+    names = [fault.name for fault in build_problem(hazard.claim).faults]
+    if found.complete_to < 0 or any(name not in hazard.rates for name in names):
+        return {"probability": None, "probability_high": None}
+    hours = exact(hazard.hours, f"hours of {hazard.id}")
+    expected = [exact(hazard.rates[name][0], f"rate of {name}") * hours for name in names]
+    rest = beyond(expected, found.complete_to + 1)
+    total = Fraction(high) + rest
+    return {
+        "probability": None if rest > Fraction(high) / 1000 else entry["probability"],
+        "probability_high": min(1.0, math.nextafter(float(total), 2.0)),
+        "beyond": float(rest),
+    }
+
+
+def _orders(counts: Any) -> str:
+    return ", ".join(f"{number} of order {order}" for order, number in sorted(counts.items())) or "none"
