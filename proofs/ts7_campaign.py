@@ -26,7 +26,7 @@ from models.ts7.numbers import KMH_PER_WORD
 from models.ts7.ring import BITS_A_FRAME, Ring
 from models.ts7.train import PER_WORD, Bench
 from safety.faults import Fault, stuck
-from safety.inject import Campaign, Faults, Group, Runs, Counts, stuck_bits
+from safety.inject import Campaign, Counts, Faults, Group, Runs, stuck_bits
 
 
 def too_fast(counts: Counts) -> Runs:

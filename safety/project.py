@@ -175,7 +175,9 @@ class Project:
         from safety.model import Model
 
         found = {f"{c.__module__}.{c.__qualname__}": c for c in _below(Model)}
-        return {name.removeprefix(f"{MODELS}."): c for name, c in sorted(found.items()) if name.startswith(f"{MODELS}.")}
+        return {
+            name.removeprefix(f"{MODELS}."): c for name, c in sorted(found.items()) if name.startswith(f"{MODELS}.")
+        }
 
 
 def open_project(folder: Path | None = None) -> Project:
@@ -209,12 +211,19 @@ def read_config(root: Path) -> Config:
     except (tomllib.TOMLDecodeError, UnicodeDecodeError, OSError) as error:
         raise ProjectError(f"pyproject.toml: {error}; correct it there") from None
     settings = table.get("settings", {})
-    kinds: dict[str, tuple[type, ...]] = {"timeout": (int, Fraction), "jobs": (int,), "report": (str,), "settings": (dict,)}
+    kinds: dict[str, tuple[type, ...]] = {
+        "timeout": (int, Fraction),
+        "jobs": (int,),
+        "report": (str,),
+        "settings": (dict,),
+    }
     for name, value in table.items():
         if name not in kinds:
             raise ProjectError(f"pyproject.toml: [tool.rightside] has no {name!r}; it has {', '.join(kinds)}")
         if not isinstance(value, kinds[name]) or isinstance(value, bool):
-            raise ProjectError(f"pyproject.toml: [tool.rightside] {name} = {value!r} is not a {kinds[name][-1].__name__}")
+            raise ProjectError(
+                f"pyproject.toml: [tool.rightside] {name} = {value!r} is not a {kinds[name][-1].__name__}"
+            )
     for name, value in settings.items():
         if not isinstance(value, bool | int | Fraction):
             raise ProjectError(f"pyproject.toml: setting {name} = {value!r} is neither a number nor true or false")

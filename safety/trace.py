@@ -84,18 +84,20 @@ class Trace:
             lines += [_vcd_value(self.sort(p), v, names[p]) for p, v in changed.items()]
         return "\n".join([*lines, f"#{self.steps * scale}", ""])
 
-    def to_json(self, paths: Sequence[str] | None = None, first: int = 0) -> dict[str, Any]:
-        """Signals with kind and values from step `first` on; exact rationals as `p/q`."""
+    def to_json(self, paths: Sequence[str] | None = None) -> dict[str, Any]:
+        """Signals with kind and, for each, its changes as [step, value]; exact rationals as `p/q`."""
         return {
             "steps": self.steps,
-            "first_tick": first,
             "tick_s": str(self.system.clock.period) if self.system.clock.period else None,
             "signals": [
-                {"path": p, "kind": "bit" if self.sort(p).kind == "bit" else "number", "unit": "",
-                 "values": [str(v) if isinstance(v, Fraction) else v for v in self[p][first:]]}
+                {"path": p, "kind": "bit" if self.sort(p).kind == "bit" else "number", "unit": "", "changes": self._steps(p)}
                 for p in (paths or self.columns)
             ],
         }  # fmt: skip
+
+    def _steps(self, path: str) -> list[list[Any]]:
+        values = [str(v) if isinstance(v, Fraction) else v for v in self[path]]
+        return [[k, v] for k, v in enumerate(values) if k == 0 or v != values[k - 1]]
 
 
 def show(value: Any) -> str:

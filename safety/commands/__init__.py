@@ -57,13 +57,16 @@ def _without_verb(words: list[str]) -> int:
         prog="rightside",
         usage="rightside VERB ...",
         description="Proofs, fault injection, fault trees and reliability figures for fail-safe equipment.",
-        epilog=_verbs() + "\n\n`rightside VERB --help` shows options and examples.  Without a network, nothing is missing.",
+        epilog=_verbs()
+        + "\n\n`rightside VERB --help` shows options and examples.  Without a network, nothing is missing.",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("--version", action="store_true", help="show the release and end")
     if words and not words[0].startswith("-"):
         near = difflib.get_close_matches(words[0], VERBS, n=1)
-        parser.error(f"there is no verb {words[0]!r}; " + (f"did you mean {near[0]}?" if near else f"verbs: {', '.join(VERBS)}"))
+        parser.error(
+            f"there is no verb {words[0]!r}; " + (f"did you mean {near[0]}?" if near else f"verbs: {', '.join(VERBS)}")
+        )
     args, rest = parser.parse_known_args(words)
     if rest:
         parser.error(f"{rest[0]} stands before the verb; write `rightside VERB {rest[0]} ...`")
@@ -140,5 +143,8 @@ def _failed(verb: str, error: Exception, whole: bool) -> int:
 
         traceback.print_exception(error)
     elif code == INTERNAL:
-        print("  This is a fault of rightside. Please report it, with what this command shows with --traceback.", file=sys.stderr)
+        print(
+            "  This is a fault of rightside. Please report it, with what this command shows with --traceback.",
+            file=sys.stderr,
+        )
     return int(code)

@@ -60,7 +60,12 @@ def without_result(item: Item, error: Exception | str) -> Entry:
     """The entry of an item that came to nothing: engines that disagree, or an internal error."""
     code = getattr(error, "exit_code", 70)
     text = str(error) if code != 70 or isinstance(error, str) else f"{type(error).__name__}: {error}"
-    base: Entry = {"id": item.id, "model": item.model, "requirement": item.requirement or None, "statement": item.statement}
+    base: Entry = {
+        "id": item.id,
+        "model": item.model,
+        "requirement": item.requirement or None,
+        "statement": item.statement,
+    }
     match item.section:
         case "claims":
             base |= {"expect": item.expect, "verdict": "undecided", "why": text}

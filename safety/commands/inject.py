@@ -34,13 +34,21 @@ def run(args: Namespace) -> int:
     session = work(args, "campaigns")
     rows = [row for entry in session.results.get("campaigns", ()) for row in _rows(entry)]
     if rows and args.json != "-":
-        data(table(["campaign", "faults", "injections", *(name.replace("_", " ") for name in CLASSES), "coverage"], rows))
+        data(
+            table(["campaign", "faults", "injections", *(name.replace("_", " ") for name in CLASSES), "coverage"], rows)
+        )
     return session.code
 
 
 def _rows(entry: Entry) -> list[list[str]]:
     """The campaign as a whole, then its failure modes."""
-    whole = [entry["id"], "all", str(entry["injections"]), *_counts(entry["classes"]), _share(entry.get("diagnostic_coverage"))]
+    whole = [
+        entry["id"],
+        "all",
+        str(entry["injections"]),
+        *_counts(entry["classes"]),
+        _share(entry.get("diagnostic_coverage")),
+    ]
     modes = [
         [entry["id"], f"{mode['part']} {mode['mode']}".strip(), str(mode.get("faults", "")), *_counts(mode), ""]
         for mode in entry.get("fmeda", ())

@@ -32,7 +32,9 @@ SINGULAR = {"claims": "claim", "campaigns": "campaign", "trees": "hazard", "rate
 
 def add_arguments(parser: ArgumentParser) -> None:
     """Options of the verb."""
-    parser.add_argument("what", nargs="?", choices=["all", *KINDS, "models", "points"], default="all", help="default: all")
+    parser.add_argument(
+        "what", nargs="?", choices=["all", *KINDS, "models", "points"], default="all", help="default: all"
+    )
     parser.add_argument("model", nargs="?", metavar="MODEL", help="with points: the model")
     options.add_selection(parser)
     options.add_json(parser)
@@ -48,7 +50,13 @@ def run(args: Namespace) -> int:
     project.load_models() if args.what in ("models", "points") else project.load_proofs()
     for problem in project.problems:
         print(f"x {problem}", file=sys.stderr)
-    rows = _points(project, args.model) if args.model else _models(project) if args.what == "models" else _items(project, args)
+    rows = (
+        _points(project, args.model)
+        if args.model
+        else _models(project)
+        if args.what == "models"
+        else _items(project, args)
+    )
     if args.json:
         write_plain({"schema": "rightside/list/1", args.what: rows}, args.json)
     elif rows:

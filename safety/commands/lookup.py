@@ -32,11 +32,13 @@ def model_named(project: Project, name: str) -> type[Model]:
 
 
 def fault(text: str) -> Fault:
-    """`KIND@POINT`, `KIND@POINT:AT` or `KIND@POINT:AT+TICKS`, e.g. `stuck(1, bit=3)@ring:20+5`.  Raises CommandError."""
+    """`KIND@POINT`, with `:AT` and `+TICKS` if wanted, e.g. `stuck(1, bit=3)@ring:20+5`.  Raises CommandError."""
     found = _FAULT.fullmatch(text)
     if found is None:
-        raise CommandError(f"--fault {text!r}: write KIND@POINT, KIND@POINT:AT or KIND@POINT:AT+TICKS, e.g. stuck(1)@trip:20")
-    at, ticks = (found[name] and int(found[name]) for name in ("at", "ticks"))
+        raise CommandError(
+            f"--fault {text!r}: write KIND@POINT, KIND@POINT:AT or KIND@POINT:AT+TICKS, e.g. stuck(1)@trip:20"
+        )
+    at, ticks = (int(found[name]) if found[name] else None for name in ("at", "ticks"))
     onset = TRANSIENT if ticks is not None else FROM_START if at is None else ANY_TIME
     return Fault(_kind(found["kind"].strip(), text), found["points"].split("+"), onset, at or 0, ticks)
 
@@ -45,11 +47,13 @@ def _kind(text: str, whole: str) -> Kind:
     """A kind from its call in words; only names of kinds and plain values are read, nothing is executed."""
     try:
         call: Any = ast.parse(text, mode="eval").body
-        name = call.func.id if isinstance(call, ast.Call) else call.id
+        name = getattr(call, "func", call).id
         args = [ast.literal_eval(arg) for arg in getattr(call, "args", ())]
         keywords = {one.arg: ast.literal_eval(one.value) for one in getattr(call, "keywords", ())}
     except (SyntaxError, ValueError, AttributeError):
-        raise CommandError(f"--fault {whole!r}: {text!r} is no fault kind; write e.g. stuck(0), flip(bit=3), byzantine") from None
+        raise CommandError(
+            f"--fault {whole!r}: {text!r} is no fault kind; write e.g. stuck(0), flip(bit=3), byzantine"
+        ) from None
     if name not in KINDS:
         raise CommandError(f"--fault {whole!r}: there is no kind {name!r}; {nearest(name, KINDS)}")
     try:

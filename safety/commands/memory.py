@@ -25,7 +25,9 @@ def last(root: Path) -> Results:
 
 def keep(root: Path, results: Results, whole: Sequence[str]) -> str:
     """Merge results into the last ones, replacing the sections in `whole`; a warning when that is not possible."""
-    before = {name: value for name, value in last(root).items() if name not in (*whole, "runs", "limits", "interrupted")}
+    before = {
+        name: value for name, value in last(root).items() if name not in (*whole, "runs", "limits", "interrupted")
+    }
     if before.get("models") != results.get("models"):
         for section in JUDGED:
             before[section] = [{**entry, "outdated": True} for entry in before.get(section, ())]

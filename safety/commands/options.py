@@ -20,9 +20,11 @@ def add_selection(parser: ArgumentParser) -> None:
     group = parser.add_argument_group("selection")
     group.add_argument(
         "-k", metavar="EXPRESSION", dest="keyword", default="",
-        help="those whose id, model or requirement contains the words; with `and`, `or`, `not` and brackets, as in pytest",
+        help="those whose id, model or requirement contains the words; with and, or, not, brackets as in pytest",
     )  # fmt: skip
-    group.add_argument("--req", metavar="ID", action="append", default=[], help="those for this requirement; may be repeated")
+    group.add_argument(
+        "--req", metavar="ID", action="append", default=[], help="those for this requirement; may be repeated"
+    )
     group.add_argument("--lf", action="store_true", help="those that were not as asked the last time (all, if none)")
 
 
@@ -65,7 +67,9 @@ def typed(text: str) -> Value:
     try:
         return Fraction(text)
     except (ValueError, ZeroDivisionError):
-        raise argparse.ArgumentTypeError(f"{text!r} is no value: write a whole number, 1/3, 0.5, true or false") from None
+        raise argparse.ArgumentTypeError(
+            f"{text!r} is no value: write a whole number, 1/3, 0.5, true or false"
+        ) from None
 
 
 def cores() -> int:

@@ -24,8 +24,12 @@ def add_arguments(parser: ArgumentParser) -> None:
     """Options of the verb."""
     options.add_selection(parser)
     options.add_work(parser)
-    parser.add_argument("--vcd", metavar="DIR", help="write the run of each refuted claim as a waveform into this folder")
-    parser.add_argument("-q", "--quiet", action="store_true", help="no tables for claims that are refuted as they must be")
+    parser.add_argument(
+        "--vcd", metavar="DIR", help="write the run of each refuted claim as a waveform into this folder"
+    )
+    parser.add_argument(
+        "-q", "--quiet", action="store_true", help="no tables for claims that are refuted as they must be"
+    )
 
 
 def run(args: Namespace) -> int:

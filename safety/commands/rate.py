@@ -36,4 +36,11 @@ def run(args: Namespace) -> int:
 def _row(entry: Entry) -> list[str]:
     met = {True: "yes", False: "NO", None: ""}[entry.get("met")]
     values = [number(entry.get(name), 6) for name in ("value", "low", "high")]
-    return [entry["id"], *values, entry.get("unit") or "", entry.get("target") or "", met, ", ".join(entry.get("agreed_by", []))]
+    return [
+        entry["id"],
+        *values,
+        entry.get("unit") or "",
+        entry.get("target") or "",
+        met,
+        ", ".join(entry.get("agreed_by", [])),
+    ]

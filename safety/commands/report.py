@@ -78,7 +78,11 @@ def _results(args: Namespace, project: Project) -> Results:
 def _refuse_outdated(results: Results, project: Project) -> None:
     changed = _changed(results, project)
     if changed or memory.outdated(results):
-        what = f"{', '.join(changed[:3])} changed" if changed else f"{memory.outdated(results)} results are of an older text"
+        what = (
+            f"{', '.join(changed[:3])} changed"
+            if changed
+            else f"{memory.outdated(results)} results are of an older text"
+        )
         raise CommandError(f"the last results are not of the project as it stands: {what}; run `rightside verify`")
 
 

@@ -11,19 +11,18 @@ import csv
 import sys
 from argparse import ArgumentParser, Namespace
 from collections.abc import Callable, Mapping
-from fnmatch import fnmatchcase
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
 from safety.commands import INPUT_ERROR, CommandError, options
 from safety.commands.lookup import fault, model_named
-from safety.commands.output import data, probe, write, write_plain
+from safety.commands.output import probe
+from safety.commands.runs import add_signals, chosen_signals, moving, show_run, unchanged
 from safety.faults import Faulted, instrument, schedule
 from safety.project import open_project
 from safety.system import System, nearest
 from safety.terms.graph import Sort
-from safety.trace import Trace
 from safety.trace import run as run_system
 from safety.tracing import trace
 
@@ -41,11 +40,14 @@ def add_arguments(parser: ArgumentParser) -> None:
     parser.add_argument("model", metavar="MODEL", help="its name, or its full name below models/")
     parser.add_argument("inputs", nargs="*", metavar="NAME=VALUE", help="inputs that stay the same")
     parser.add_argument("--csv", metavar="FILE", help="inputs, a row a step")
-    parser.add_argument("--steps", metavar="N", type=int, help=f"how many (default: all rows of the file, else {DEFAULT_STEPS})")
+    parser.add_argument(
+        "--steps", metavar="N", type=int, help=f"how many (default: all rows of the file, else {DEFAULT_STEPS})"
+    )
     parser.add_argument("--fault", metavar="KIND@POINT", action="append", default=[], help="may be repeated")
-    parser.add_argument("--start", metavar="NAME=VALUE", action="append", default=[], help="a register that powers up with any value")
-    parser.add_argument("--show", metavar="SIGNALS", help="names or patterns, separated by commas (default: all that change)")
-    parser.add_argument("--vcd", metavar="FILE", help="write the run as a waveform")
+    parser.add_argument(
+        "--start", metavar="NAME=VALUE", action="append", default=[], help="a register that powers up with any value"
+    )
+    add_signals(parser)
     options.add_settings(parser)
     options.add_json(parser)
 
@@ -63,20 +65,13 @@ def run(args: Namespace) -> int:
     start = {name: _typed(value, _register(system, name), name) for name, value in map(_pair, args.start)}
     faulted = instrument(system, [fault(text) for text in args.fault])
     result = run_system(faulted.system, _with_faults(rows, faulted), steps, start=start)
-    _show(args, result, _chosen(args.show, result))
+    paths = chosen_signals(args.show, result, moving(result))
+    show_run(args, result, paths)
+    if not args.show and (still := unchanged(result, paths)):
+        print(f"unchanged: {still}", file=sys.stderr)
     for problem in project.problems:
         print(f"x {problem}", file=sys.stderr)
     return INPUT_ERROR if project.problems else 0
-
-
-def _show(args: Namespace, result: Trace, paths: list[str]) -> None:
-    if args.vcd:
-        write(Path(args.vcd), result.vcd())
-        print(f"waveform: {args.vcd}", file=sys.stderr)
-    if args.json:
-        write_plain({"schema": "rightside/run/1", "model": result.system.name, **result.to_json(paths)}, args.json)
-    if args.json != "-":
-        data(result.table(paths))
 
 
 def _rows(args: Namespace, system: System, fixed: Mapping[str, Any]) -> tuple[Callable[[int], Mapping[str, Any]], int]:
@@ -103,7 +98,9 @@ def _csv(path: Path, system: System) -> list[dict[str, Any]]:
         for row in reader:
             if None in row or None in row.values():
                 raise CommandError(f"{path}:{reader.line_num}: this row has not the {len(sorts)} cells of the head")
-            rows.append({n: _typed(row[n].strip(), sort, f"{path}:{reader.line_num}: {n}") for n, sort in sorts.items()})
+            rows.append(
+                {n: _typed(row[n].strip(), sort, f"{path}:{reader.line_num}: {n}") for n, sort in sorts.items()}
+            )
     if not rows:
         raise CommandError(f"{path} has no rows; write a head with input names, then a row a step")
     return rows
@@ -112,21 +109,6 @@ def _csv(path: Path, system: System) -> list[dict[str, Any]]:
 def _with_faults(rows: Callable[[int], Mapping[str, Any]], faulted: Faulted) -> Callable[[int], Mapping[str, Any]]:
     choose = schedule(faulted)
     return lambda step: {**rows(step), **choose(step)}
-
-
-def _chosen(patterns: str | None, result: Trace) -> list[str]:
-    """Signals to show: those named, else inputs and whatever changes; what a fault keeps to itself is left out."""
-    paths = [path for path in result.columns if not path.startswith("fault")]
-    if not patterns:
-        moving = [path for path in paths if any(value != result[path][0] for value in result[path])]
-        return moving or paths
-    chosen: list[str] = []
-    for pattern in patterns.split(","):
-        hits = [path for path in result.columns if fnmatchcase(path, pattern.strip())]
-        if not hits:
-            raise CommandError(f"--show {pattern}: {result.system.name} has no such signal; {nearest(pattern, paths)}")
-        chosen += [path for path in hits if path not in chosen]
-    return chosen
 
 
 def _pair(text: str) -> tuple[str, str]:
@@ -152,7 +134,9 @@ def _typed(text: str, sort: Sort, where: str) -> Any:
     """A value of a sort; a bit is 0, 1, true or false."""
     words = {"0": False, "1": True, "false": False, "true": True}
     try:
-        value: Any = words[text.lower()] if sort.kind == "bit" else Fraction(text) if sort.kind == "real" else int(text, 0)
+        value: Any = (
+            words[text.lower()] if sort.kind == "bit" else Fraction(text) if sort.kind == "real" else int(text, 0)
+        )
     except (KeyError, ValueError, ZeroDivisionError):
         value = None
     if not sort.admits(value):

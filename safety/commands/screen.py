@@ -88,7 +88,11 @@ def _claim(entry: Entry) -> list[str]:
     return [
         entry["verdict"],
         expected if entry["verdict"] == entry["expect"] else "",
-        f"to {steps} steps" if entry["verdict"] == "bounded" else f"in {steps} steps" if entry["verdict"] == "refuted" else "",
+        f"to {steps} steps"
+        if entry["verdict"] == "bounded"
+        else f"in {steps} steps"
+        if entry["verdict"] == "refuted"
+        else "",
         entry.get("method") or "",
         f"{lemmas} user lemma{'s' * (lemmas > 1)}" if lemmas else "",
         f"agreed by {', '.join(agreed)}" if agreed else "",
@@ -117,7 +121,12 @@ def _tree(entry: Entry) -> list[str]:
 
 def _rate(entry: Entry) -> list[str]:
     target = f"target {entry['target']}" + (" met" if entry.get("met") else "") if entry.get("target") else ""
-    return ["found", f"{number(entry.get('value'))} {entry.get('unit') or ''}".rstrip(), target, entry.get("quantity") or ""]
+    return [
+        "found",
+        f"{number(entry.get('value'))} {entry.get('unit') or ''}".rstrip(),
+        target,
+        entry.get("quantity") or "",
+    ]
 
 
 _TOLD = {"claims": _claim, "campaigns": _campaign, "trees": _tree, "rates": _rate}

@@ -112,4 +112,3 @@ def expression(text: str) -> Callable[[str], bool]:
     if tokens:
         raise CommandError(f"-k {text!r}: `and` or `or` is missing before {tokens[0]!r}")
     return result
-

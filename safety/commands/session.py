@@ -56,7 +56,9 @@ class Session:
         """Do everything that was chosen; results are shown as they come and kept, whatever happens."""
         began = time.monotonic()
         config, args = self.project.config, self.args
-        order = Order(args.timeout or config.timeout, {**config.settings, **dict(args.settings)}, bool(getattr(args, "vcd", None)))
+        order = Order(
+            args.timeout or config.timeout, {**config.settings, **dict(args.settings)}, bool(getattr(args, "vcd", None))
+        )
         self._check(order)
         try:
             with Screen(not args.no_progress) as screen:
@@ -142,7 +144,9 @@ class Session:
     def _end(self) -> int:
         problems = self.project.problems
         if problems:
-            self.results["limits"] = [f"left out: {problem.file}:{problem.line}: {problem.message}" for problem in problems]
+            self.results["limits"] = [
+                f"left out: {problem.file}:{problem.line}: {problem.message}" for problem in problems
+            ]
         warning = self._keep()
         terminal.show(self.results, sys.stderr)
         if warning:

@@ -22,7 +22,8 @@ def stimulus(trace: Trace) -> dict[str, Any]:
     return {
         "start": {path: _plain(value) for path, value in trace.chosen.items()},
         "inputs": {
-            path: [[_plain(value), len(list(same))] for value, same in groupby(trace[path])] for path in trace.system.inputs
+            path: [[_plain(value), len(list(same))] for value, same in groupby(trace[path])]
+            for path in trace.system.inputs
         },
     }
 
@@ -38,7 +39,10 @@ def _row(system: System, inputs: Mapping[str, list[Any]]) -> Callable[[int], dic
     sorts = {path: term.sort for path, term in system.inputs.items()}
 
     def row(step: int) -> dict[str, Any]:
-        return {path: _value(values[step], sorts[path]) if path in sorts else values[step] for path, values in inputs.items()}
+        return {
+            path: _value(values[step], sorts[path]) if path in sorts else values[step]
+            for path, values in inputs.items()
+        }
 
     return row
 

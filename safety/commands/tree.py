@@ -94,16 +94,23 @@ def _text(entry: Entry) -> str:
     orders = ", ".join(f"{count} of order {order}" for order, count in sets["by_order"].items())
     lines = [
         f"{entry['id']}  {entry.get('statement') or entry.get('description') or ''}".rstrip(),
-        f"{entry['gates']} gates, {entry['basic_events']} basic events; {sets['count']} minimal cut sets" + (f": {orders}" if orders else ""),
+        f"{entry['gates']} gates, {entry['basic_events']} basic events; {sets['count']} minimal cut sets"
+        + (f": {orders}" if orders else ""),
     ]
     if entry.get("completeness"):
         confirmed, candidate = (sum(entry[name].values()) for name in ("confirmed", "candidate"))
         lines.append(f"cut sets {entry['completeness']}; {confirmed} confirmed by a run, {candidate} candidates")
     lines.append(_probability(entry))
-    rows = [[f"#{n}", " & ".join(one["events"]) or "(no fault needed)", number(one["probability"]), one.get("status") or ""]
-            for n, one in enumerate(sets["sets"][:LISTED])]  # fmt: skip
+    rows = [
+        [f"#{n}", " & ".join(one["events"]) or "(no fault needed)", number(one["probability"]), one.get("status", "")]
+        for n, one in enumerate(sets["sets"][:LISTED])
+    ]
     if rows:
-        lines += ["", table(["cut set", "events", "probability", "status"], rows), *_more(sets["count"] - len(rows), "cut sets")]
+        lines += [
+            "",
+            table(["cut set", "events", "probability", "status"], rows),
+            *_more(sets["count"] - len(rows), "cut sets"),
+        ]
     important = [
         [row["event"], number(row.get("fussell_vesely")), number(row.get("birnbaum")), row.get("source") or ""]
         for row in entry["importance"][:LISTED]

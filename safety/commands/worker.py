@@ -38,7 +38,9 @@ def main() -> None:
     while True:
         item = Item(**json.loads(lines.get()))
         answer = evaluate(project, item, order, lambda text: _write(answers, {"note": text}))
-        _write(answers, {"entry": answer.entry, "problem": answer.problem and asdict(answer.problem), "vcd": answer.vcd})
+        _write(
+            answers, {"entry": answer.entry, "problem": answer.problem and asdict(answer.problem), "vcd": answer.vcd}
+        )
 
 
 def plain(value: Any) -> Any:

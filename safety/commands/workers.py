@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 import queue
@@ -10,7 +11,7 @@ import subprocess
 import sys
 import threading
 from collections import deque
-from collections.abc import Iterator, Sequence
+from collections.abc import Generator, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -55,11 +56,9 @@ class _Worker:
 
     def send(self, line: str) -> None:
         assert self.process.stdin is not None
-        try:
+        with contextlib.suppress(BrokenPipeError):  # it has died; the listener finds out
             self.process.stdin.write(line + "\n")
             self.process.stdin.flush()
-        except BrokenPipeError:
-            pass  # it has died; the listener finds out
 
     def give(self, item: Item) -> None:
         self.item = item
@@ -70,10 +69,8 @@ class _Worker:
         self.process.wait()
         for pipe in (self.process.stdin, self.process.stdout):
             if pipe is not None:
-                try:
+                with contextlib.suppress(BrokenPipeError):
                     pipe.close()
-                except BrokenPipeError:
-                    pass
 
 
 class Workers:
@@ -81,7 +78,9 @@ class Workers:
 
     def __init__(self, project: Project, order: Order, jobs: int) -> None:
         settings = {name: plain(value) for name, value in order.settings.items()}
-        self.head = json.dumps({"root": str(project.root), "timeout": order.timeout, "settings": settings, "vcd": order.vcd})
+        self.head = json.dumps(
+            {"root": str(project.root), "timeout": order.timeout, "settings": settings, "vcd": order.vcd}
+        )
         self.jobs = jobs
         self.heard: queue.Queue[tuple[_Worker, Any]] = queue.Queue()
         self.live: list[_Worker] = []
@@ -93,7 +92,7 @@ class Workers:
         for worker in self.live:
             worker.end()
 
-    def run(self, items: Sequence[Item]) -> Iterator[Event]:
+    def run(self, items: Sequence[Item]) -> Generator[Event, None, None]:
         """Answers as they come, in whatever order, with an empty event about every tenth of a second."""
         waiting, open_items = deque(items), len(items)
         for _ in range(min(self.jobs, len(items))):

@@ -17,11 +17,11 @@ from safety.inject.classes import CELLS, CLASSES, Judge
 from safety.inject.lanes import Timing
 from safety.inject.space import CampaignError, Faults, Group, Space, enumerate_space
 from safety.model import Model
-from safety.tracing import trace
 from safety.system import System, nearest, substitute
 from safety.terms import Bit
 from safety.terms.graph import BIT
 from safety.terms.values import const
+from safety.tracing import trace
 
 if TYPE_CHECKING:
     from safety.inject.result import Result

@@ -2,7 +2,7 @@
 
 With lemmas L (invariants of the registers), assumptions A and property P:
 
-    start:     power-up registers           =>  every lemma
+    start:     power-up registers, A        =>  every lemma
     step:      every lemma, A, one step     =>  each lemma of the next registers
     property:  every lemma, A, P for k steps  =>  P at the next;  and P at the first k steps from power-up
 
@@ -94,7 +94,7 @@ def _assert(solver: Solver, unrolling: Unrolling, step: int, *formulas: Bit, neg
 def _lemmas(problem: Problem, name: str, integers: bool, timeout: float) -> Iterator[Question]:
     for label, lemma in problem.lemmas.items():
         solver, unrolling = _context(problem, name, integers, timeout, anywhere=False)
-        _assert(solver, unrolling, 0, problem.start, negated=lemma)
+        _assert(solver, unrolling, 0, problem.start, problem.given, negated=lemma)
         yield f"lemma '{label}' at power-up", solver, unrolling
     for label, lemma in problem.lemmas.items():
         solver, unrolling = _context(problem, name, integers, timeout, anywhere=True)

@@ -3,17 +3,21 @@
 from __future__ import annotations
 
 from fractions import Fraction
+from itertools import pairwise
 from typing import Any
 
-from safety.prove.claims import Claim
+from safety.prove.claims import REFUTED, Claim
 from safety.prove.hazards import CutSets, Hazard
 from safety.prove.problem import Problem
 from safety.prove.prove import Outcome
 from safety.system import ANY
+from safety.terms import Term
 from safety.trace import Trace
 
 SHOWN_FAULTS = 8  # names in the text of a fault budget; all stand beside it
-SHOWN_BEFORE = 40  # steps of a counterexample that are listed before its last one
+SIGNALS = 18  # of a counterexample, besides the claim itself
+MOST_CHANGES = 400  # more of them tell nothing
+SELDOM = 12  # changes in a run that make a signal part of its story
 
 
 def claim_entry(outcome: Outcome) -> dict[str, Any]:
@@ -42,7 +46,7 @@ def claim_entry(outcome: Outcome) -> dict[str, Any]:
         "candidate": {path: _plain(v) for path, v in outcome.candidate.items()} or None,
         "seconds": round(outcome.seconds, 3),
         "questions": outcome.questions,
-        "vacuity": {"premise_reached_at": outcome.premise_at},
+        "vacuity": _vacuity(outcome),
         "counterexample": counterexample(outcome) if outcome.counterexample else None,
         **surroundings(problem),
     }
@@ -87,27 +91,61 @@ def surroundings(problem: Problem | None) -> dict[str, Any]:
 
 
 def counterexample(outcome: Outcome) -> dict[str, Any]:
-    """The replayed run of a refuted claim: the last steps, every signal that changes in them."""
-    trace = outcome.counterexample
-    assert trace is not None and outcome.problem is not None
-    first = max(0, len(trace) - SHOWN_BEFORE)
-    present = [str(f) for i, f in enumerate(outcome.problem.faults) if _present(trace, i)]
+    """The replayed run of a refuted claim: the signals that tell its story, each with all its changes."""
+    trace, problem = outcome.counterexample, outcome.problem
+    assert trace is not None and problem is not None
+    present = [str(f) for i, f in enumerate(problem.faults) if _present(trace, i)]
     return {
-        **trace.to_json(interesting(trace, first), first),
+        **trace.to_json(story(trace, problem)),
         "violated_at": len(trace) - 1,
         "replayed": True,
         "faults": present,
+        "fault_onset": _onset(trace) if present else None,
         "chosen": {p: _plain(v) for p, v in trace.chosen.items()},
         "replay": f"rightside replay {outcome.claim.id}",
         "vcd": f"{outcome.claim.id}.vcd",
     }
 
 
-def interesting(trace: Trace, first: int) -> list[str]:
-    """Signals worth showing: what changes in the shown steps, and the claim itself."""
-    hidden = ("claim.", "watch.")
-    moving = [p for p in trace.columns if not p.startswith(hidden) and len(set(map(str, trace[p][first:]))) > 1]
-    return [*moving, "claim.premise", "claim.holds"]
+def _vacuity(outcome: Outcome) -> dict[str, Any] | None:
+    """Where the premise was first reached; None for a claim without one, or whose verdict does not need it."""
+    if outcome.problem is None or outcome.problem.premise.is_const or outcome.verdict == REFUTED:
+        return None
+    return {"premise_reached_at": outcome.premise_at}
+
+
+def _onset(trace: Trace) -> int | None:
+    """The first step at which a fault acts."""
+    acting = [trace[p].index(True) for p in trace.columns if p.startswith("fault") and p.endswith(".on") and True in trace[p]]
+    return min(acting) - 1 if acting else None
+
+
+def story(trace: Trace, problem: Problem) -> list[str]:
+    """Signals worth showing: those the claim names, inputs and outputs of the whole, then the ones that seldom change."""
+    changes = {p: sum(x != y for x, y in pairwise(values)) for p, values in trace.columns.items()}
+    system = problem.system
+    named = [p for p in claim_names(problem) if p in changes]
+    outer = [p for p in (*system.inputs, *system.signals) if "." not in p or p in system.inputs]
+    moving = sorted((p for p in changes if changes[p]), key=lambda p: (changes[p], p))
+    seldom = [p for p in moving if changes[p] <= max(SELDOM, len(trace) // 4)]
+    told = dict.fromkeys([*named, *(p for p in outer if changes.get(p)), *seldom])
+    shown = [p for p in told if not p.startswith(("claim.", "watch.")) and changes[p] <= MOST_CHANGES]
+    return [*shown[:SIGNALS], "claim.premise", "claim.holds"]
+
+
+def claim_names(problem: Problem) -> list[str]:
+    """The signals that the claim's formula mentions."""
+    names = {problem.system.lookup(p).uid: p for p in problem.system.names()}
+    found: list[str] = []
+    edge: list[Term] = [problem.holds]
+    walked = {problem.holds.uid}
+    for term in edge:  # grows while it is walked; a named term hides what it is made of
+        if term.uid in names and term is not problem.holds:
+            found.append(names[term.uid])
+        else:
+            edge += [a for a in term.args if a.uid not in walked]
+            walked |= {a.uid for a in term.args}
+    return list(dict.fromkeys(found))
 
 
 def _present(trace: Trace, index: int) -> bool:

@@ -30,9 +30,8 @@ class Signal(TypedDict, total=False):
     path: Required[str]
     kind: Literal["bit", "number"]
     unit: str
-    values: Required[
-        list[bool | int | float | str | None]
-    ]  # from first_tick on; None: any value; a str: an exact rational
+    values: list[bool | int | float | str | None]  # from first_tick on; None: any value; a str: an exact rational
+    changes: list[list[bool | int | float | str | None]]  # instead of values: [tick, value] at tick 0 and each change
 
 
 class Counterexample(TypedDict, total=False):

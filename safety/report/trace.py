@@ -60,8 +60,9 @@ class Trace:
 
     def __init__(self, counterexample: Entry) -> None:
         signals = counterexample["signals"]
-        self.lanes = [Lane(s["path"], s.get("kind") == "bit", s.get("unit", ""), tuple(s["values"])) for s in signals]
         self.first: int = counterexample.get("first_tick", 0)
+        steps = counterexample["steps"]
+        self.lanes = [Lane(s["path"], s.get("kind") == "bit", s.get("unit", ""), _values(s, steps)) for s in signals]
         length = max((len(lane.values) for lane in self.lanes), default=0)
         self.last = self.first + length - 1
         self.violated: int | None = counterexample["violated_at"]
@@ -123,6 +124,15 @@ class Trace:
     def time_ms(self, tick: int) -> str:
         """The time of a tick; empty when the clock is an event."""
         return "" if self.tick_s is None else decimal(tick * self.tick_s * 1000)
+
+
+def _values(signal: Entry, steps: int) -> tuple[Value, ...]:
+    """A value a tick, from all values or from the changes alone."""
+    if "values" in signal:
+        return tuple(signal["values"])
+    changes = signal["changes"]
+    ends = [*(tick for tick, _ in changes[1:]), steps]
+    return tuple(v for (tick, v), end in zip(changes, ends, strict=True) for _ in range(tick, end))
 
 
 def _left_out(columns: list[Column]) -> list[Column]:

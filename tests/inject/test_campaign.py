@@ -14,7 +14,7 @@ import msgspec
 import pytest
 
 from safety.faults import Fault, flip, stuck
-from safety.inject import Campaign, CampaignError, Group, Counts, campaigns, stuck_bits, write_csv
+from safety.inject import Campaign, CampaignError, Counts, Group, campaigns, stuck_bits, write_csv
 from safety.inject import classes as classes_module
 from safety.report.schema import Campaign as Entry
 from safety.report.standing import standing

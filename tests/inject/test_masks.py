@@ -25,10 +25,10 @@ from safety.faults import (
 )
 from safety.inject import CampaignError
 from safety.inject.masks import Mask, changes_nothing, mask_of, masks
-from safety.tracing import trace
 from safety.system import ModelError, System, substitute
 from safety.terms.graph import BIT, Sort, integer, uint, variable
 from safety.terms.values import bit, const
+from safety.tracing import trace
 
 WIDTH = 8
 WORD_KINDS = st.builds(stuck, st.sampled_from([0, 1]), st.none() | st.integers(0, WIDTH - 1)) | st.builds(

@@ -10,8 +10,8 @@ import pytest
 from safety.faults import Fault, every, flip, frozen
 from safety.inject import CampaignError, Group, each_bit, stuck_bits, upsets
 from safety.inject.space import enumerate_space
-from safety.tracing import trace
 from safety.system import ModelError, System
+from safety.tracing import trace
 
 
 @pytest.fixture

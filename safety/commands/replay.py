@@ -1,0 +1,178 @@
+"""Run again on the Python reading, without any solver, what a result rests on, and show it.
+
+ID is a claim that was refuted (its run), CAMPAIGN#N or CAMPAIGN::INJECTION (one injection), HAZARD#N or HAZARD::FAULTS
+(one cut set, numbered as `rightside tree` shows them; order 0 is #0).  Results are those of the last run, or of --from.
+Exit 0 when it comes out as it was recorded, 1 when it does not.
+"""
+
+from __future__ import annotations
+
+import sys
+from argparse import ArgumentParser, Namespace
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from safety.commands import CommandError, memory, options
+from safety.commands.evaluate import find, fitting
+from safety.commands.output import probe
+from safety.commands.runs import add_signals, chosen_signals, moving, show_run
+from safety.commands.stimulus import rerun
+from safety.project import Project, Value, open_project
+from safety.prove import search
+from safety.prove.problem import build_problem, observed
+from safety.prove.refinement import build_refinement
+from safety.report.results import load
+from safety.report.schema import Entry
+from safety.system import nearest
+from safety.trace import Trace
+
+EXAMPLES = """
+rightside replay ts7_voting.brakes_with_two_faults
+rightside replay ts7.ring#17 --show "ring,overflow.*" --last 200
+rightside replay ts7_voting.overspeed_without_brake#0 --vcd cut_set.vcd
+rightside replay ts7_voting.brakes_with_two_faults --from results.json
+"""
+SHOWN = 40  # steps
+
+
+class Replayed(NamedTuple):
+    """A run, whether it came out as recorded, and what happened in it."""
+
+    trace: Trace
+    same: bool
+    told: str
+
+
+class Recorded(NamedTuple):
+    """What is known of the results: the settings they were made with, and the entry that was asked for."""
+
+    settings: Mapping[str, Value]
+    entry: Entry | None
+
+
+def add_arguments(parser: ArgumentParser) -> None:
+    """Options of the verb."""
+    parser.add_argument("id", metavar="ID", help="a claim, CAMPAIGN#N or HAZARD#N")
+    parser.add_argument(
+        "--from", dest="source", metavar="FILE", help="results kept with --json (default: the last ones)"
+    )
+    add_signals(parser)
+    parser.add_argument(
+        "--first", metavar="STEP", type=int, help=f"first step shown (default: {SHOWN} before the last)"
+    )
+    parser.add_argument("--last", metavar="STEP", type=int, help="last step shown (default: where the run ends)")
+    options.add_json(parser)
+
+
+def run(args: Namespace) -> int:
+    """Carry out the verb."""
+    for target in filter(None, (args.vcd, args.json)):
+        probe(Path(target))
+    project = open_project(Path(args.project) if args.project else None)
+    project.load_proofs()
+    for problem in project.problems:
+        print(f"x {problem}", file=sys.stderr)
+    found = _replayed(project, args)
+    last = len(found.trace) - 1 if args.last is None else min(args.last, len(found.trace) - 1)
+    first = max(0, last - SHOWN + 1) if args.first is None else args.first
+    if not 0 <= first <= last:
+        raise CommandError(f"--first {first} --last {last}: the run has steps 0 to {len(found.trace) - 1}")
+    paths = chosen_signals(args.show, found.trace, moving(found.trace, first, last))
+    show_run(args, found.trace, paths, first, last)
+    print(f"{'reproduced' if found.same else 'NOT reproduced'}: {found.told}", file=sys.stderr)
+    return 0 if found.same else 1
+
+
+def _replayed(project: Project, args: Namespace) -> Replayed:
+    name, number, which = args.id.partition("#")
+    key: str | int | None = None
+    if not number:
+        name, named, which = args.id.partition("::")
+        key = which if named else None
+    elif which.isdecimal():
+        key = int(which)
+    else:
+        raise CommandError(f"{args.id}: a number follows #, e.g. {name}#0")
+    of_claims, of_hazards, of_campaigns = ({each.id for each in each_kind} for each_kind in _declared(project))
+    if name in of_claims:
+        return _claim(project, name, _recorded(project, args, "claims", name))
+    if name in of_hazards:
+        return _cut_set(project, name, key, _recorded(project, args, "trees", name))
+    if name in of_campaigns:
+        return _injection(project, name, key, args, _recorded(project, args, "campaigns", name))
+    raise CommandError(f"no claim, campaign or hazard {name!r}; {nearest(name, of_claims | of_hazards | of_campaigns)}")
+
+
+def _declared(project: Project) -> list[list[Any]]:
+    return [[*project.claims], [*project.hazards], [*project.campaigns]]
+
+
+def _recorded(project: Project, args: Namespace, section: str, name: str) -> Recorded:
+    results = load(Path(args.source)) if args.source else memory.last(project.root)
+    given = {key: options.typed(text) for key, text in results.get("settings", {}).items()}
+    entry = next((each for each in results.get(section, ()) if each["id"] == name), None)
+    return Recorded({**project.config.settings, **given}, entry)
+
+
+def _claim(project: Project, name: str, recorded: Recorded) -> Replayed:
+    counterexample = (recorded.entry or {}).get("counterexample")
+    if not counterexample:
+        verdict = f"is {recorded.entry['verdict']}" if recorded.entry else "has no result yet"
+        raise CommandError(f"{name} {verdict}: there is no run to show; `rightside prove -k {name}` looks for one")
+    if "stimulus" not in counterexample:
+        raise CommandError(f"{name}: these results do not say what its run was given; `rightside prove -k {name}` does")
+    claim = find(project.claims, name)
+    settings = fitting(claim.model, recorded.settings)
+    problem = build_refinement(claim) if claim.refinement is not None else build_problem(claim, settings)
+    trace = rerun(observed(problem), counterexample["stimulus"], counterexample["steps"])
+    same = not trace["claim.holds"][-1] and all(trace["claim.given"])
+    how = "false" if not trace["claim.holds"][-1] else "true"
+    return Replayed(trace, same, f"{name} is {how} at step {len(trace) - 1}")
+
+
+def _cut_set(project: Project, name: str, key: str | int | None, recorded: Recorded) -> Replayed:
+    hazard = find(project.hazards, name)
+    faults = _faults(name, key, recorded.entry)
+    settings = {**hazard.claim.settings, **fitting(hazard.claim.model, recorded.settings)}
+    problem = search.with_faults(build_problem(replace(hazard.claim, settings=settings)), faults)
+    run: Trace | None = None
+    for script in hazard.scenarios(faults):
+        run = search.scripted(problem, script)
+        hit = search.cut_at(run, "claim.holds", False)
+        if hit is not None:
+            return Replayed(hit, True, f"{name} happens at step {len(hit) - 1} with {' & '.join(faults) or 'no fault'}")
+    if run is None:
+        raise CommandError(f"{name} has no scenario for {' & '.join(faults) or 'no fault'}; add one to its `scenarios`")
+    return Replayed(run, False, f"{name} does not happen in any scenario with {' & '.join(faults) or 'no fault'}")
+
+
+def _faults(name: str, key: str | int | None, entry: Entry | None) -> tuple[str, ...]:
+    if isinstance(key, str):
+        return tuple(key.split(" & "))
+    if entry is None:
+        raise CommandError(f"{name} has no cut sets yet; `rightside tree -k {name}` finds them")
+    sets = [one["events"] for one in (entry.get("minimal_cut_sets") or {}).get("sets", ())]
+    if key is None or key >= len(sets):
+        raise CommandError(f"{name} has {len(sets)} cut sets listed, from #0 on; write {name}#0")
+    return tuple(sets[key])
+
+
+def _injection(project: Project, name: str, key: str | int | None, args: Namespace, recorded: Recorded) -> Replayed:
+    from safety.inject.classes import class_of
+
+    if key is None:
+        raise CommandError(f"{name} is a campaign; write {name}#0, {name}#1, ... for one of its injections")
+    campaign = find(project.campaigns, name)
+    if isinstance(campaign.model, type):
+        campaign.settings = {**campaign.settings, **fitting(campaign.model, recorded.settings)}
+    keep = [path for path in campaign.system.names() if path not in campaign.system.inputs]
+    found = campaign.replay(key, keep=keep)
+    came = class_of(found.cell)
+    told = f"{found.injection.id} is {came.replace('_', ' ')}"
+    if recorded.entry is None:
+        return Replayed(found.trace, True, f"{told}; there is no earlier result to compare with")
+    was = f"{name}::{found.injection.id}" in recorded.entry.get("replay", ())
+    same = was == (came == "dangerous_undetected")
+    return Replayed(found.trace, same, told + ("" if same else ", which the recorded results deny"))
