@@ -65,12 +65,12 @@ def underspeed(s: Seen, channel: str = "a", words: int = 0) -> Bit:
     return excess(s, channel) <= -PER_WORD * words
 
 
-def at_least_kmh(speed: Fraction | int) -> int:
+def at_least_kmh(speed: Fraction | int | str) -> int:
     """Least value of the speed input, 1/4096 word a frame, that is no slower than a speed in km/h."""
     return ceil(KMH_PER_WORD.inverse().times(PER_WORD * Fraction(speed)).high)
 
 
-def at_most_kmh(speed: Fraction | int) -> int:
+def at_most_kmh(speed: Fraction | int | str) -> int:
     """Greatest value of the speed input, 1/4096 word a frame, that is no faster than a speed in km/h."""
     return floor(KMH_PER_WORD.inverse().times(PER_WORD * Fraction(speed)).low)
 

@@ -128,7 +128,7 @@ def below_five_and_a_half_is_no_roll_back(s: Seen) -> Bit:
     requirement="TS7-13", source="[D]", expect=PROVED,
 )  # fmt: skip
 def report_ends_below_four(s: Seen) -> Bit:
-    """4 km/h or slower for 7611 frames (0.951 s): roll-back is not reported any more."""
+    """4 km/h or slower for 7612 frames (0.952 s): roll-back is not reported any more."""
     return implies(persists(slow(s), frames_for(BELOW)), ~s.rev)
 
 

@@ -4,26 +4,22 @@ One step is one frame, 125 us; speeds in words (1 word = 0.47124 km/h), lowering
 In the claims about the common part alone the channels may do anything whatever: their demands are free inputs.
 Source: the rule [P]; level rule, T_sync, two at once, relay times [A].
 
-Main results: synchronisation isolates one channel at most, and a silent one within two windows (level rule; with the
-edge rule never).
+Main results: synchronisation isolates one channel at most, and a silent one within two windows and a frame (8001
+frames; with the edge rule never).  A broken channel brings the brake without need only above 8 words below the limit.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
 
-from models.ts7.signals import Lines
 from models.ts7.system import Ts7
 from models.ts7.train import PER_WORD
-from models.ts7.voting import CommonPart, EdgeCommonPart, SettlingCommonPart
-from proofs.ts7_brake_chain import RELEASE, Chain
+from models.ts7.voting import CommonPart, EdgeCommonPart
+from proofs.ts7_brake_chain import CHANNELS
 from proofs.ts7_formulas import (
-    REFERENCE_FRACTION,
-    braked_and_ahead,
+    Formula,
     free_and_behind,
-    latch_at_the_ends,
     named,
-    potential,
 )
 from proofs.ts7_voting import OFFSETS
 from safety import (
@@ -50,7 +46,7 @@ MOST = 8000
 
 def three(s: Seen, prefix: str) -> list[Bit]:
     """The bits of the three channels: `seen_` or `targets.`."""
-    return [s[f"{prefix}{n}"] for n in "abc"]
+    return [s[f"{prefix}{n}"] for n in CHANNELS]
 
 
 # --- windows and isolation -----------------------------------------------------------------------------------------
@@ -115,7 +111,7 @@ def a_pair_that_agrees_is_not_isolated(s: Seen) -> Bit:
 
 
 @claim(CommonPart, given=no_fault_found, symbolic=T_SYNC, expect=REFUTED, requirement="TS7-10", anywhere=True,
-       twin_of=a_pair_that_agrees_is_not_isolated, start=lambda s: windows_in_order(s) & at_most_one_cut(s))  # fmt: skip
+       start=windows_in_order, twin_of=a_pair_that_agrees_is_not_isolated)  # fmt: skip
 def a_pair_is_not_isolated(s: Seen) -> Bit:
     """The same without the premise: one of two that disagree may be isolated."""
     return ~newly_cut(s, "b") & ~newly_cut(s, "c")
@@ -126,7 +122,7 @@ def a_pair_is_not_isolated(s: Seen) -> Bit:
 
 def silent(s: Seen, n: str) -> Bit:
     """The other two brake, channel n does not, and all are in service."""
-    others = all_of(*(s.brakes[m] for m in "abc" if m != n))
+    others = all_of(*(s.brakes[m] for m in CHANNELS if m != n))
     return others & ~s.brakes[n] & ~any_of(*three(s, "isolated."))
 
 
@@ -135,7 +131,7 @@ def silence_is_timed(n: str) -> Callable[[Seen], Bit]:
 
     def lemma(s: Seen) -> Bit:
         y, t = s.sync, age(silent(s, n), 2 * MOST + 2).int()
-        braking = all_of(*(y[f"seen_{m}"] for m in "abc" if m != n))
+        braking = all_of(*(y[f"seen_{m}"] for m in CHANNELS if m != n))
         first = y.window & braking & (y.age >= t)
         between = ~y.window & (t <= y.frames)
         second = y.window & braking & ~y[f"seen_{n}"] & (y.age + y.frames + 1 >= t)
@@ -144,7 +140,7 @@ def silence_is_timed(n: str) -> Callable[[Seen], Bit]:
     return named(f"the silence of {n} is timed by windows", lemma)
 
 
-SILENCE = [silence_is_timed(n) for n in "abc"]
+SILENCE = [silence_is_timed(n) for n in CHANNELS]
 
 
 def ends_in_isolation(s: Seen, windows: int, spare: int) -> Bit:
@@ -153,7 +149,7 @@ def ends_in_isolation(s: Seen, windows: int, spare: int) -> Bit:
     def long(n: str) -> Bit:
         return silent(s, n) & (age(silent(s, n), 2 * MOST + 2).int() + 1 >= windows * s.sync.frames + spare)
 
-    return implies(any_of(*(long(n) for n in "abc")), any_of(*three(s, "targets.")))
+    return implies(any_of(*(long(n) for n in CHANNELS)), any_of(*three(s, "targets.")))
 
 
 def demands(steps: int, **braking: list[tuple[int, int]]) -> Scenario:
@@ -194,6 +190,49 @@ def silence_ends_in_isolation_by_the_edge_rule(s: Seen) -> Bit:
     return ends_in_isolation(s, 2, 1)
 
 
+def unseen_and_silent(s: Seen, n: str) -> Bit:
+    """Channel n is silent and has not braked in an open window either."""
+    return silent(s, n) & ~s.sync[f"seen_{n}"]
+
+
+def timed_by_one_window(n: str) -> Formula:
+    """Lemma: such silence has lasted no longer than the window that will isolate n."""
+
+    def lemma(s: Seen) -> Bit:
+        y, t = s.sync, age(unseen_and_silent(s, n), MOST + 1).int()
+        open_ = y.window & all_of(*(y[f"seen_{m}"] for m in CHANNELS if m != n)) & ~y[f"seen_{n}"]
+        return any_of(*three(y, "cut_")) | (t == 0) | (open_ & (y.age + 1 >= t))
+
+    return named(f"the silence of {n} is timed by one window", lemma)
+
+
+def isolated_in_one_window(s: Seen, spare: int) -> Bit:
+    """After T_sync and some spare frames of such silence, somebody is isolated."""
+
+    def long(n: str) -> Bit:
+        return unseen_and_silent(s, n) & (age(unseen_and_silent(s, n), MOST + 1).int() + 1 >= s.sync.frames + spare)
+
+    return implies(any_of(*(long(n) for n in CHANNELS)), any_of(*three(s, "targets.")))
+
+
+ONE_WINDOW = [windows_in_order, *(timed_by_one_window(n) for n in CHANNELS)]
+C_NEVER_BRAKES = demands(6000, a=[(1000, EVER)], b=[(1000, EVER)], c=[])
+
+
+@claim(CommonPart, symbolic=T_SYNC, expect=PROVED, lemmas=ONE_WINDOW, requirement="TS7-7",
+       source="[P] 1.6; level rule [A]", witness=C_NEVER_BRAKES)  # fmt: skip
+def silence_from_the_start_ends_in_isolation(s: Seen) -> Bit:
+    """A silent channel that no open window has seen brake: somebody is isolated within one window and a frame."""
+    return isolated_in_one_window(s, 1)
+
+
+@claim(CommonPart, symbolic=T_SYNC, expect=REFUTED, requirement="TS7-7", scenario=C_NEVER_BRAKES,
+       twin_of=silence_from_the_start_ends_in_isolation)  # fmt: skip
+def silence_from_the_start_ends_in_isolation_a_frame_earlier(s: Seen) -> Bit:
+    """The time is exact: T_sync frames alone do not do."""
+    return isolated_in_one_window(s, 0)
+
+
 # --- how low the brake can come without need -----------------------------------------------------------------------
 
 
@@ -215,7 +254,7 @@ def powered(s: Seen) -> Bit:
     return ~s.power.standby & s.common.nb_relay.closed
 
 
-CALM = [powered, *(calm(n) for n in "abc")]
+CALM = [powered, *(calm(n) for n in CHANNELS)]
 
 
 def at_rest(s: Seen) -> Bit:
@@ -241,9 +280,9 @@ def no_brake_eight_words_below(s: Seen) -> Bit:
 
 AT_THE_EDGE = {  # released, but the speed pulses as far ahead as a speed within the limit leaves them
     "power.standby": False, "common.nb_relay.closed": True,
-    **{f"{n}.{register}": value for n in "abc" for register, value in {
+    **{f"{n}.{register}": value for n in CHANNELS for register, value in {
         "offset": -4, "comparator.u": 2, "ring.j1": 150, "ring.j0": 255, "div0.n": 15}.items()},
-    **{f"common.{n}.{relay}.closed": True for n in "abc" for relay in ("chr_relay", "nbrr_relay")},
+    **{f"common.{n}.{relay}.closed": True for n in CHANNELS for relay in ("chr_relay", "nbrr_relay")},
 }  # fmt: skip
 
 
@@ -253,80 +292,3 @@ AT_THE_EDGE = {  # released, but the speed pulses as far ahead as a speed within
 def no_brake_seven_words_below(s: Seen) -> Bit:
     """The bound is exact: 7 words below, a broken channel a and the lowering bring b and c to brake."""
     return ~s.nb
-
-
-# --- healthy channels isolated -------------------------------------------------------------------------------------
-
-
-def only_65(s: Seen) -> Bit:
-    """The line of signal 65 is active, no other."""
-    return all_of(*(s.lines[name] if name == "s65" else ~s.lines[name] for name in Lines._fields))
-
-
-def nobody_isolated(s: Seen) -> Bit:
-    """No target is dropped."""
-    return ~any_of(*three(s, "targets."))
-
-
-def released_then(at: int, words: Callable[[int], float], steps: int, **start: int) -> Scenario:
-    """Signal 65, released at 30 words, then at a speed in words; all channels start with the phases given."""
-    speed = {"speed": lambda k: int(PER_WORD * (30 if k < at else words(k)))}
-    return Scenario(steps, {**SIGNAL_65, **speed}, {name.replace("__", "."): value for name, value in start.items()})
-
-
-def follows_at_three_words(n: str) -> list[Callable[[Seen], Bit]]:
-    """Lemmas: in a window a lowered channel gains 3 words a frame until it brakes, and its relay then falls."""
-
-    def unseen(s: Seen) -> Bit:
-        return s.common.sync.window & ~s.common.sync[f"seen_{n}"]
-
-    def gains(s: Seen) -> Bit:
-        gained = potential(s, n) >= 3 * PER_WORD * s.common.sync.age.int() - REFERENCE_FRACTION
-        return implies(unseen(s), braked_and_ahead(s, n) | gained)
-
-    def falls(s: Seen) -> Bit:
-        relay, spent = s.common[n].nbrr_relay, s.common.sync.age.int()
-        timed = (spent < THREE_WORDS.latched + relay.waited.int()) & (relay.waited <= RELEASE)
-        return implies(unseen(s), relay.closed & timed)
-
-    return [named(f"{n} lowered brakes or gains", gains), named(f"{n} lowered falls", falls)]
-
-
-THREE_WORDS = Chain(words=3)
-LONG_ENOUGH = THREE_WORDS.latched + RELEASE + 1  # frames, 0.82 s
-
-
-def in_service(s: Seen) -> Bit:
-    """All channels are in service, checks and latches in step with their counters, windows in order."""
-
-    def sound(n: str) -> Bit:
-        check = s[n].check
-        counted = 256 * check["count"].int() + s[n].ring.j2.int() - 85 * check.frame.int()
-        checked = ~check.faulty & (counted >= 0) & (counted <= 255)
-        return s.common[n].chr_relay.closed & checked & latch_at_the_ends(n)(s)
-
-    return ~s.power.standby & ~any_of(*three(s.common.sync, "cut_")) & all_of(*map(sound, "abc")) & windows_in_order(s.common)
-
-
-def above_the_lowest(s: Seen) -> Bit:
-    """Signal 65, inverter on; limits within 1 word, the speed always above the lowest of them; T_sync 0.82 s or more."""
-    offsets = [s[o] for o in OFFSETS]
-    near = all_of(*(one - other <= 1 for one in offsets for other in offsets))
-    over = any_of(*(s.speed > PER_WORD * (138 + offset) for offset in offsets))
-    return s.inverter & only_65(s) & near & over & (s.common.sync.frames >= LONG_ENOUGH)
-
-
-@claim(Ts7, given=above_the_lowest, start=lambda s: in_service(s) & ~s.common.sync.window, anywhere=True,
-       symbolic=(*OFFSETS, "common.sync.frames"), expect=PROVED, requirement="TS7-10", source="[D]",
-       lemmas=[in_service, *(lemma for n in "abc" for lemma in follows_at_three_words(n))])  # fmt: skip
-def nobody_isolated_within_one_word(s: Seen) -> Bit:
-    """Limits within 1 word, speed never below the lowest of them, T_sync of 0.82 s: no healthy channel is isolated."""
-    return nobody_isolated(s)
-
-
-@claim(Ts7, expect=REFUTED, settings={"a.offset": -2, "b.offset": 2, "c.offset": 2}, requirement="TS7-10",
-       source="[A] +-2.0 km/h as words", twin_of=nobody_isolated_within_one_word,
-       scenario=released_then(1500, lambda k: 136.5, 16_000))  # fmt: skip
-def nobody_isolated_within_four_words(s: Seen) -> Bit:
-    """Limits 4 words apart, all healthy: constant speed half a word above the lowest isolates the channel that is right."""
-    return nobody_isolated(s)

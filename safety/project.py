@@ -174,10 +174,12 @@ class Project:
         """The models of all files of models/ imported so far, by full name without `models.`: `ts7.channel.Channel`."""
         from safety.model import Model
 
-        found = {f"{c.__module__}.{c.__qualname__}": c for c in _below(Model)}
-        return {
-            name.removeprefix(f"{MODELS}."): c for name, c in sorted(found.items()) if name.startswith(f"{MODELS}.")
-        }
+        found = {}
+        for cls in _below(Model):
+            package, _, module = cls.__module__.partition(".")
+            if package == MODELS and getattr(sys.modules.get(cls.__module__), cls.__name__, None) is cls:
+                found[f"{module}.{cls.__name__}"] = cls
+        return dict(sorted(found.items()))
 
 
 def open_project(folder: Path | None = None) -> Project:

@@ -76,7 +76,7 @@ class Ring(Model, tick_s="3.90625e-6"):
         column = point("column", rows[0] | rows[1] | rows[2] | rows[3])
         datum = any_of(*((p == k) & column.bit(k) for k in range(8)))
         a, d = ring.bit(0), point("data", datum & enabled)
-        c = point("carry.in", self.carry & ~point("carry.clear", p == 0))
+        c = point("carry.in", self.carry & ~point("carry.clear", self.clears(p)))
         total = point("sum", a ^ d ^ c)
         carry = point("carry.out", (a & d) | (c & (a ^ d)))
         pulse_out, kept = carry & enabled & point("overflow.strobe", p == 7), self.place != 0
@@ -86,6 +86,10 @@ class Ring(Model, tick_s="3.90625e-6"):
             held0=held[0], held1=held[1], held2=held[2], held3=held[3],
         )  # fmt: skip
         return following, Overflow(*(point(f"overflow.o{w}", h) for w, h in enumerate(held)))
+
+    def clears(self, p: UInt) -> Bit:
+        """Each word is added for itself: its lowest bit takes no carry from the word before."""
+        return p == 0
 
 
 BITS_A_FRAME = 32

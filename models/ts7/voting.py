@@ -69,13 +69,13 @@ class Synchronisation(Model, tick_s="125e-6"):
     def step(self, brakes: Trio, starts: Bit, faults: Trio, out_of_service: Bit) -> tuple[Synchronisation, Trio]:
         """One frame: brake commands, whether one starts now, faults that channels found, any CHR down."""
         found = Trio(*(cut | fault for cut, fault in zip(self.cut(), faults, strict=True)))
-        single = out_of_service | any_of(*found)
+        single = self.over(found, out_of_service)
         opens = self.opens(brakes, starts) & ~self.window & ~single
         last = self.age + 1 >= self.frames
         stays = self.window & ~single & ~last & ~self.settled(brakes)
         seen = Trio(*(s | b for s, b in zip((self.seen_a, self.seen_b, self.seen_c), brakes, strict=True)))
         judged = self.window & last & ~single & ~self.settled(brakes)
-        verdict = (point(f"isolate_{n}", judged & odd) for n, odd in zip("abc", outvoted(seen), strict=True))
+        verdict = (point(f"isolate_{n}", judged & odd) for n, odd in zip("abc", self.odd(seen), strict=True))
         cut = Trio(*(f | v for f, v in zip(found, verdict, strict=True)))
         first = Trio(*(select(opens, b, f & stays) for b, f in zip(brakes, self.first(), strict=True)))
         seen = Trio(*(select(opens, b, s & stays) for b, s in zip(brakes, seen, strict=True)))
@@ -93,6 +93,14 @@ class Synchronisation(Model, tick_s="125e-6"):
     def settled(self, brakes: Trio) -> Bit:
         """Whether the window ends early, without a verdict: never."""
         return bit(False)
+
+    def over(self, cut: Trio, out_of_service: Bit) -> Bit:
+        """After an isolation there is no further synchronisation."""
+        return out_of_service | any_of(*cut)
+
+    def odd(self, seen: Trio) -> Trio:
+        """Who is isolated at the end of a window: the channel that stands alone."""
+        return outvoted(seen)
 
     def first(self) -> Trio:
         """Channels that braked when the window opened."""
@@ -191,13 +199,17 @@ class CommonPart(Model, tick_s="125e-6"):
         starts = any_of(*(before & now for before, now in zip(was, brakes, strict=True)))
         sync, targets = self.sync.step(brakes, starts, Trio(a.fault, b.fault, c.fault), any_of(*isolated))
         nb_relay, released = self.nb_relay.step(supply & self.released(runs, isolated))
-        eb_relay, permitted = self.eb_relay.step(supply & ~at_least(2, *isolated) & ~(a.rev | b.rev | c.rev))
+        eb_relay, permitted = self.eb_relay.step(supply & self.permitted(isolated, Trio(a.rev, b.rev, c.rev)))
         following = type(self)(a=relays_a, b=relays_b, c=relays_c, sync=sync, nb_relay=nb_relay, eb_relay=eb_relay)
         return following, Output(~released, ~permitted, brakes, isolated, targets, self.sync.window)
 
     def released(self, runs: Trio, isolated: Trio) -> Bit:
         """Rule (a): NB is released while two of the three relays NBRR are up."""
         return at_least(2, *runs)
+
+    def permitted(self, isolated: Trio, rolling_back: Trio) -> Bit:
+        """No EB: not two channels isolated, and none finds the train rolling back."""
+        return ~at_least(2, *isolated) & ~any_of(*rolling_back)
 
 
 class BothMustBrake(CommonPart, tick_s="125e-6"):

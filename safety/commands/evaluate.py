@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+import traceback
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -32,6 +33,7 @@ class Order:
     timeout: float = 60.0
     settings: Mapping[str, Value] = field(default_factory=dict)
     vcd: bool = False
+    traceback: bool = False
 
 
 @dataclass
@@ -52,6 +54,8 @@ def evaluate(project: Project, item: Item, order: Order, note: Note) -> Answer:
     except Exception as error:
         if project.is_users(error):
             return Answer(item, problem=_problem(project, item, error))
+        if order.traceback:
+            traceback.print_exc()
         entry = without_result(item, error)
         return Answer(item, entry | {"seconds": round(time.perf_counter() - began, 3)})
 

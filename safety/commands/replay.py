@@ -22,6 +22,7 @@ from safety.commands.stimulus import rerun
 from safety.project import Project, Value, open_project
 from safety.prove import search
 from safety.prove.problem import build_problem, observed
+from safety.prove.record import story
 from safety.prove.refinement import build_refinement
 from safety.report.results import load
 from safety.report.schema import Entry
@@ -43,6 +44,7 @@ class Replayed(NamedTuple):
     trace: Trace
     same: bool
     told: str
+    paths: list[str]  # signals that tell its story
 
 
 class Recorded(NamedTuple):
@@ -79,7 +81,7 @@ def run(args: Namespace) -> int:
     first = max(0, last - SHOWN + 1) if args.first is None else args.first
     if not 0 <= first <= last:
         raise CommandError(f"--first {first} --last {last}: the run has steps 0 to {len(found.trace) - 1}")
-    paths = chosen_signals(args.show, found.trace, moving(found.trace, first, last))
+    paths = chosen_signals(args.show, found.trace, found.paths)
     show_run(args, found.trace, paths, first, last)
     print(f"{'reproduced' if found.same else 'NOT reproduced'}: {found.told}", file=sys.stderr)
     return 0 if found.same else 1
@@ -129,7 +131,7 @@ def _claim(project: Project, name: str, recorded: Recorded) -> Replayed:
     trace = rerun(observed(problem), counterexample["stimulus"], counterexample["steps"])
     same = not trace["claim.holds"][-1] and all(trace["claim.given"])
     how = "false" if not trace["claim.holds"][-1] else "true"
-    return Replayed(trace, same, f"{name} is {how} at step {len(trace) - 1}")
+    return Replayed(trace, same, f"{name} is {how} at step {len(trace) - 1}", story(trace, problem))
 
 
 def _cut_set(project: Project, name: str, key: str | int | None, recorded: Recorded) -> Replayed:
@@ -137,15 +139,16 @@ def _cut_set(project: Project, name: str, key: str | int | None, recorded: Recor
     faults = _faults(name, key, recorded.entry)
     settings = {**hazard.claim.settings, **fitting(hazard.claim.model, recorded.settings)}
     problem = search.with_faults(build_problem(replace(hazard.claim, settings=settings)), faults)
+    present = " & ".join(faults) or "no fault"
     run: Trace | None = None
     for script in hazard.scenarios(faults):
         run = search.scripted(problem, script)
         hit = search.cut_at(run, "claim.holds", False)
         if hit is not None:
-            return Replayed(hit, True, f"{name} happens at step {len(hit) - 1} with {' & '.join(faults) or 'no fault'}")
+            return Replayed(hit, True, f"{name} happens at step {len(hit) - 1} with {present}", story(hit, problem))
     if run is None:
-        raise CommandError(f"{name} has no scenario for {' & '.join(faults) or 'no fault'}; add one to its `scenarios`")
-    return Replayed(run, False, f"{name} does not happen in any scenario with {' & '.join(faults) or 'no fault'}")
+        raise CommandError(f"{name} has no scenario for {present}; add one to its `scenarios`")
+    return Replayed(run, False, f"{name} does not happen in any scenario with {present}", story(run, problem))
 
 
 def _faults(name: str, key: str | int | None, entry: Entry | None) -> tuple[str, ...]:
@@ -172,7 +175,7 @@ def _injection(project: Project, name: str, key: str | int | None, args: Namespa
     came = class_of(found.cell)
     told = f"{found.injection.id} is {came.replace('_', ' ')}"
     if recorded.entry is None:
-        return Replayed(found.trace, True, f"{told}; there is no earlier result to compare with")
+        return Replayed(found.trace, True, f"{told}; there is no earlier result to compare with", moving(found.trace))
     was = f"{name}::{found.injection.id}" in recorded.entry.get("replay", ())
     same = was == (came == "dangerous_undetected")
-    return Replayed(found.trace, same, told + ("" if same else ", which the recorded results deny"))
+    return Replayed(found.trace, same, told + ("" if same else ", which the results deny"), moving(found.trace))

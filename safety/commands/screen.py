@@ -15,6 +15,7 @@ from safety.report.standing import Standing, standing
 
 Styles = Mapping[int, str]
 STYLES: Styles = {0: "green", 3: "yellow", 4: "yellow"}  # else red
+_UP_TO = {"bounded": "to", "refuted": "in"}
 NAMES = 44  # most characters of an id before the columns shift
 
 
@@ -81,22 +82,18 @@ def line(section: str, entry: Entry, judged: Standing, width: int) -> str:
 
 
 def _claim(entry: Entry) -> list[str]:
+    verdict, method = entry["verdict"], entry.get("method") or ""
     steps = (entry.get("strength") or {}).get("steps")
-    agreed = entry.get("agreed_by") or []
     lemmas = entry.get("user_lemmas") or 0
-    expected = {"refuted": "as it must be", "proved": ""}.get(entry["expect"], "as expected")
+    agreed = entry.get("agreed_by") or []
+    expected = {"refuted": "as it must be", "proved": ""}.get(verdict, "as expected")
     return [
-        entry["verdict"],
-        expected if entry["verdict"] == entry["expect"] else "",
-        f"to {steps} steps"
-        if entry["verdict"] == "bounded"
-        else f"in {steps} steps"
-        if entry["verdict"] == "refuted"
-        else "",
-        entry.get("method") or "",
-        f"{lemmas} user lemma{'s' * (lemmas > 1)}" if lemmas else "",
+        verdict,
+        expected if verdict == entry["expect"] else "",
+        f"{_UP_TO[verdict]} {steps} steps" if verdict in _UP_TO and steps is not None else "",
+        method,
+        f"{lemmas} user lemma{'s' * (lemmas > 1)}" if lemmas and "lemma" not in method else "",
         f"agreed by {', '.join(agreed)}" if agreed else "",
-        entry.get("why") or "",
     ]
 
 

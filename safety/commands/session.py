@@ -24,7 +24,7 @@ from safety.commands.workers import Workers
 from safety.project import MODELS, PROOFS, Problem, Project, open_project
 from safety.report import terminal
 from safety.report.results import Results, empty, exit_code, merge
-from safety.report.standing import DISAGREE, INTERNAL, NOTHING, standing
+from safety.report.standing import DISAGREE, INTERNAL, NOTHING, WORDS, standing
 from safety.system import ModelError
 from safety.tracing import resolve, trace
 
@@ -56,20 +56,19 @@ class Session:
         """Do everything that was chosen; results are shown as they come and kept, whatever happens."""
         began = time.monotonic()
         config, args = self.project.config, self.args
-        order = Order(
-            args.timeout or config.timeout, {**config.settings, **dict(args.settings)}, bool(getattr(args, "vcd", None))
-        )
+        settings = {**config.settings, **dict(args.settings)}
+        order = Order(args.timeout or config.timeout, settings, bool(getattr(args, "vcd", None)), args.traceback)
         self._check(order)
+        screen = Screen(not args.no_progress)
         try:
-            with Screen(not args.no_progress) as screen:
-                self._show_problems(screen, self.project.problems)
-                with Workers(self.project, order, args.jobs or config.jobs or cores()) as workers:
-                    self._gather(workers, screen)
+            self._show_problems(screen, self.project.problems)
+            with screen, Workers(self.project, order, args.jobs or config.jobs or cores()) as workers:
+                self._gather(workers, screen)
         except KeyboardInterrupt:
             self.interrupted = True
             self.results["interrupted"] = True
         self.results["runs"] = [{"command": args.command, "seconds": round(time.monotonic() - began, 3)}]
-        self.code = self._end()
+        self.code = self._end(screen)
 
     def _gather(self, workers: Workers, screen: Screen) -> None:
         width = max((len(item.id) for item in self.chosen), default=0)
@@ -141,27 +140,33 @@ class Session:
         done = not (self.part or self.interrupted or self.project.problems)
         return memory.keep(self.project.root, self.results, self.sections if done else ())
 
-    def _end(self) -> int:
-        problems = self.project.problems
+    def _end(self, screen: Screen) -> int:
+        """Keep and show what was found; the exit code."""
+        problems, args = self.project.problems, self.args
         if problems:
-            self.results["limits"] = [
-                f"left out: {problem.file}:{problem.line}: {problem.message}" for problem in problems
-            ]
+            self.results["limits"] = [f"left out: {each.file}:{each.line}: {each.message}" for each in problems]
         warning = self._keep()
-        terminal.show(self.results, sys.stderr)
+        for row in terminal.summary(self.results)[:-1]:  # the last one is the exit code, which more bears on here
+            screen.say(row.text, row.style)
         if warning:
-            print(warning, file=sys.stderr)
-        if problems:
-            names = sorted({problem.file for problem in problems})
-            print(f"exit 2: mend {', '.join(names)}; --traceback shows the whole way to the error", file=sys.stderr)
-        if self.args.json:
-            write_json(self.results, self.args.json)
+            screen.say(warning, "yellow")
+        code, why = self._code()
+        screen.say(f"exit {code}: {why}", "bold red" if code else "bold green")
+        if args.json:
+            write_json(self.results, args.json)
+        return code
+
+    def _code(self) -> tuple[int, str]:
+        code, problems = exit_code(self.results), self.project.problems
         if self.interrupted:
             left = len(self.chosen) - sum(len(self.results.get(section, ())) for section in NOUNS)
-            print(f"interrupted: {left} of {len(self.chosen)} have no result; the others are kept", file=sys.stderr)
-            return INTERRUPTED
-        code = exit_code(self.results)
-        return INPUT_ERROR if problems and code not in (INTERNAL, DISAGREE) else code
+            return INTERRUPTED, f"interrupted; {left} of {len(self.chosen)} have no result, the others are kept"
+        if problems and code not in (INTERNAL, DISAGREE):
+            names = ", ".join(sorted({problem.file for problem in problems}))
+            return INPUT_ERROR, f"mend {names}; --traceback shows the whole way to the error"
+        if code == INTERNAL:
+            return code, "a fault of rightside; please report it, with what this command shows with --traceback"
+        return code, WORDS[code]
 
 
 def start(args: Namespace, sections: Sequence[str]) -> Session:

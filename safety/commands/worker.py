@@ -32,7 +32,8 @@ def main() -> None:
 
     from safety.commands.evaluate import Order, evaluate
 
-    order = Order(head["timeout"], {name: typed(value) for name, value in head["settings"].items()}, head["vcd"])
+    settings = {name: typed(value) for name, value in head["order"].pop("settings").items()}
+    order = Order(**head["order"], settings=settings)
     project = Project(Path(head["root"]), Config())
     project.load_proofs()
     while True:

@@ -77,10 +77,8 @@ class Workers:
     """Up to `jobs` processes that work on a project's items."""
 
     def __init__(self, project: Project, order: Order, jobs: int) -> None:
-        settings = {name: plain(value) for name, value in order.settings.items()}
-        self.head = json.dumps(
-            {"root": str(project.root), "timeout": order.timeout, "settings": settings, "vcd": order.vcd}
-        )
+        told = order.__dict__ | {"settings": {name: plain(value) for name, value in order.settings.items()}}
+        self.head = json.dumps({"root": str(project.root), "order": told})
         self.jobs = jobs
         self.heard: queue.Queue[tuple[_Worker, Any]] = queue.Queue()
         self.live: list[_Worker] = []

@@ -129,8 +129,11 @@ def story(trace: Trace, problem: Problem) -> list[str]:
     moving = sorted((p for p in changes if changes[p]), key=lambda p: (changes[p], p))
     seldom = [p for p in moving if changes[p] <= max(SELDOM, len(trace) // 4)]
     told = dict.fromkeys([*named, *(p for p in outer if changes.get(p)), *seldom])
-    shown = [p for p in told if not p.startswith(("claim.", "watch.")) and changes[p] <= MOST_CHANGES]
-    return [*shown[:SIGNALS], "claim.premise", "claim.holds"]
+    shown: dict[tuple[str, ...], str] = {}  # one name for each course of values
+    for path in told:
+        if not path.startswith(("claim.", "watch.")) and changes[path] <= MOST_CHANGES:
+            shown.setdefault(tuple(map(str, trace[path])), path)
+    return [*list(shown.values())[:SIGNALS], "claim.premise", "claim.holds"]
 
 
 def claim_names(problem: Problem) -> list[str]:
