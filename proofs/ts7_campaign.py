@@ -20,11 +20,13 @@ Result: none of the 40 dangerous faults outside the shared path is detected with
 comparison of the three channels.  Failure rates are INVENTED, to show the calculation [A].
 """
 
+from collections.abc import Mapping
 from typing import Any
 
 from models.ts7.numbers import KMH_PER_WORD
 from models.ts7.ring import BITS_A_FRAME, Ring
 from models.ts7.train import PER_WORD, Bench
+from proofs.ts7_parts import CHANNEL, INVENTED_ELEMENTS, RING, Elements
 from safety.faults import Fault, stuck
 from safety.inject import Campaign, Counts, Faults, Group, Runs, stuck_bits
 
@@ -55,13 +57,10 @@ def missing(*points: str) -> list[Fault]:
     return [Fault(stuck(0), [point]) for point in points]
 
 
-INVENTED = "[A] invented for the example: 1 FIT to 2 FIT an element"
-
-
-def row(name: str, part: str, rate_per_h: str, faults: Any, **expect: int) -> Group:
+def row(name: str, parts: Mapping[str, Elements], faults: Any, **expect: int) -> Group:
     """A row of the published table; `expect` counts by direction and detection, e.g. `wrong_no=3`."""
     cells = {cell.replace("_", "/"): number for cell, number in expect.items()}
-    return Group(name, faults, part, name, rate_per_h, INVENTED, cells or None)
+    return Group(name, faults, parts[name].part, name, parts[name].rate_per_h, INVENTED_ELEMENTS, cells or None)
 
 
 ring_single_stuck = Campaign(
@@ -75,20 +74,19 @@ ring_single_stuck = Campaign(
     safe_side=too_slow,
     detected=out_of_window,
     faults=[
-        row("stage", "ring register", "6.4e-8", stuck_bits("ring"), safe_yes=32, wrong_yes=32),
-        row("carry", "adder", "2e-9", both("carry.in", "carry.out"), safe_yes=1, wrong_yes=1),
-        row("sum", "adder", "2e-9", stuck_bits("sum"), safe_yes=1, wrong_yes=1),
-        row("data", "adder", "2e-9", stuck_bits("data"), safe_yes=1, wrong_yes=1),
-        row("column", "data matrix", "8e-9", stuck_bits("column"), neutral_no=8, safe_no=3, wrong_no=3, neutral_yes=2),
-        row("cell J0", "data matrix", "8e-9", stuck_bits("matrix.j0"), neutral_no=11, safe_no=2, wrong_no=3),
-        row("cell J1", "data matrix", "8e-9", stuck_bits("matrix.j1"), neutral_no=11, safe_no=3, wrong_no=2),
-        row("cell J2", "data matrix", "8e-9", stuck_bits("matrix.j2"), neutral_no=14, neutral_yes=2),
-        row("cell J3", "data matrix", "8e-9", stuck_bits("matrix.j3"), neutral_no=16),
-        row("carry clear", "adder", "1e-9", missing("carry.clear"), neutral_no=1),
-        row("word select", "data matrix", "4e-9", missing("select.j0", "select.j1", "select.j2", "select.j3"),
+        row("stage", RING, stuck_bits("ring"), safe_yes=32, wrong_yes=32),
+        row("carry", RING, both("carry.in", "carry.out"), safe_yes=1, wrong_yes=1),
+        row("sum", RING, stuck_bits("sum"), safe_yes=1, wrong_yes=1),
+        row("data", RING, stuck_bits("data"), safe_yes=1, wrong_yes=1),
+        row("column", RING, stuck_bits("column"), neutral_no=8, safe_no=3, wrong_no=3, neutral_yes=2),
+        row("cell J0", RING, stuck_bits("matrix.j0"), neutral_no=11, safe_no=2, wrong_no=3),
+        row("cell J1", RING, stuck_bits("matrix.j1"), neutral_no=11, safe_no=3, wrong_no=2),
+        row("cell J2", RING, stuck_bits("matrix.j2"), neutral_no=14, neutral_yes=2),
+        row("cell J3", RING, stuck_bits("matrix.j3"), neutral_no=16),
+        row("carry clear", RING, missing("carry.clear"), neutral_no=1),
+        row("word select", RING, missing("select.j0", "select.j1", "select.j2", "select.j3"),
             safe_no=1, wrong_no=1, neutral_yes=1, neutral_no=1),
-        row("overflow", "overflow gates", "8e-9", stuck_bits("overflow.o?"),
-            safe_no=2, wrong_no=2, neutral_yes=2, neutral_no=2),
+        row("overflow", RING, stuck_bits("overflow.o?"), safe_no=2, wrong_no=2, neutral_yes=2, neutral_no=2),
     ],
     expect={"detected": 77, "safe": 11, "dangerous_undetected": 11, "no_effect": 64, "wrong/yes": 35, "wrong/no": 11},
 )  # fmt: skip
@@ -134,20 +132,16 @@ channel_single_stuck = Campaign(
     safe_side=holds_back,
     detected=lambda counts: counts.ever("fault"),
     faults=[
-        row("inputs", "input buffer", "6e-9", lines("f_s", "backward", "lowered"), neutral_no=2, safe_no=2, wrong_no=2),
-        row("limit", "data matrix", "8e-9", lines("limit"), neutral_no=10, safe_no=2, wrong_no=4),
-        row("cells", "data matrix", "3.2e-8", lines("ring.matrix.j?"),
-            neutral_no=46, safe_yes=2, safe_no=5, wrong_no=11),
-        row("word select", "data matrix", "4e-9", lines("ring.select.j?"),
-            neutral_no=5, safe_yes=1, safe_no=1, wrong_no=1),
-        row("overflow", "overflow gates", "8e-9", lines("ring.overflow.o?"),
-            neutral_no=1, safe_yes=2, safe_no=2, wrong_no=3),
-        row("stages", "dividers", "1.6e-8", lines("div?.n", "f_p", "f_rev"), neutral_no=5, safe_no=5, wrong_no=10),
-        row("counter, latch", "comparator", "4e-9", lines("f_v", "comparator.*"), safe_no=4, wrong_no=4),
-        row("counter, latch, gate", "roll-back", "5e-9", lines("rollback.*", "rev"),
-            neutral_no=3, safe_no=1, wrong_no=4),
-        row("latch", "fault detector", "2e-9", lines("check.faulty"), neutral_no=1, safe_yes=1),
-        row("amplifier", "output", "5e-9", lines("output.*"), safe_no=3, wrong_no=1),
+        row("inputs", CHANNEL, lines("f_s", "backward", "lowered"), neutral_no=2, safe_no=2, wrong_no=2),
+        row("limit", CHANNEL, lines("limit"), neutral_no=10, safe_no=2, wrong_no=4),
+        row("cells", CHANNEL, lines("ring.matrix.j?"), neutral_no=46, safe_yes=2, safe_no=5, wrong_no=11),
+        row("word select", CHANNEL, lines("ring.select.j?"), neutral_no=5, safe_yes=1, safe_no=1, wrong_no=1),
+        row("overflow", CHANNEL, lines("ring.overflow.o?"), neutral_no=1, safe_yes=2, safe_no=2, wrong_no=3),
+        row("stages", CHANNEL, lines("div?.n", "f_p", "f_rev"), neutral_no=5, safe_no=5, wrong_no=10),
+        row("counter, latch", CHANNEL, lines("f_v", "comparator.*"), safe_no=4, wrong_no=4),
+        row("counter, latch, gate", CHANNEL, lines("rollback.*", "rev"), neutral_no=3, safe_no=1, wrong_no=4),
+        row("latch", CHANNEL, lines("check.faulty"), neutral_no=1, safe_yes=1),
+        row("amplifier", CHANNEL, lines("output.*"), safe_no=3, wrong_no=1),
     ],
     expect={"detected": 6, "safe": 25, "dangerous_undetected": 40, "no_effect": 73},
 )  # fmt: skip

@@ -16,18 +16,12 @@ from models.ts7.system import Ts7
 from models.ts7.train import PER_WORD
 from proofs.ts7_brake_chain import CHANNELS, Chain
 from proofs.ts7_formulas import Formula, named
+from proofs.ts7_parts import INVENTED_COMPONENTS, component_rate
 from safety import ANY_TIME, Bit, Scenario, Seen, hazard, implies, persists, struck
 
 FAULTS = [replace(fault, onset=ANY_TIME) for fault in component_faults()]
 BLINDING = ("no f_v", "f_p in every frame", "wrong word", "comparator at 0", "latch at release")
 SHARED = ("speed generator dead", "wrong row in all channels", "signal lines wire-ORed with 25", "wheel switch on 780 mm")
-PARTS_LIST = {  # failures per hour
-    "no f_v": "2e-7", "f_p in every frame": "1e-7", "ring stuck": "1e-6", "wrong word": "1e-7", "comparator at 0": "2e-7",
-    "latch at release": "1e-7", "NBRR welded": "1e-8", "CHR welded": "1e-8", "fault detector dead": "5e-7",
-    "latch at brake": "1e-7", "speed generator dead": "2e-7", "wrong row in all channels": "1e-9",
-    "signal lines wire-ORed with 25": "1e-9", "wheel switch on 780 mm": "5e-8", "NB output welded": "1e-8",
-    "EB relay welded": "1e-8", "synchronisation isolates anyone": "1e-7",
-}  # fmt: skip
 
 
 def silent_ring(s: Seen, n: str) -> Bit:
@@ -73,7 +67,7 @@ def scenarios(present: tuple[str, ...]) -> Iterator[Scenario]:
 @hazard(
     Ts7, faults=FAULTS, scenarios=scenarios, symbolic=("wheel",), requirement="TS7-7", source="[D]", hours="10000",
     lemmas=[*CHAIN.lemmas(), *(standing_ring_is_found(n) for n in CHANNELS)], expect={1: 5, 2: 108, 3: 36, 4: 3},
-    rates={f.name: (PARTS_LIST[f.name.split(": ")[-1]], "[A] invented parts list") for f in FAULTS},
+    rates={f.name: (component_rate(f.name), INVENTED_COMPONENTS) for f in FAULTS},
 )  # fmt: skip
 def overspeed_without_brake(s: Seen) -> Bit:
     """The last fault has struck, the train then runs 4 words (1.9 km/h) above every healthy limit for 5104 frames

@@ -206,8 +206,9 @@ def nobody_isolated_after_all_released_in_the_reference(s: Seen) -> Bit:
 
 
 @claim(Ts7, expect=REFUTED, requirement="TS7-10", source="[A] 1.6", twin_of=nobody_isolated_after_all_released,
-       scenario=released_then(1500, lambda k: 150 if k < 5000 else 130, 11_000, a__div0__n=8, b__div0__n=3))  # fmt: skip
+       scenario=released_then(1500, lambda k: 150 if k < 5000 else 130, 11_000,
+                              a__div0__n=8, b__div0__n=3))  # fmt: skip
 def nobody_isolated_by_an_ordinary_release(s: Seen) -> Bit:
     """Three healthy channels with equal limits, apart only in the phase of a divider: after one brake and its release
-    a window finds the last to release braking alone, and isolates it."""
+    a window opens on the two that still brake, takes the first to release for silent, and isolates it."""
     return nobody_isolated(s)

@@ -233,6 +233,50 @@ def silence_from_the_start_ends_in_isolation_a_frame_earlier(s: Seen) -> Bit:
     return isolated_in_one_window(s, 0)
 
 
+# --- a channel that brakes alone -----------------------------------------------------------------------------------
+
+
+def alone(s: Seen, n: str) -> Bit:
+    """Channel n brakes, the others do not and have not in an open window; all are in service."""
+    others = any_of(*(s.brakes[m] | s.sync[f"seen_{m}"] for m in CHANNELS if m != n))
+    return s.brakes[n] & ~others & ~any_of(*three(s, "isolated."))
+
+
+def timed_alone(n: str) -> Formula:
+    """Lemma: n has braked alone no longer than the window that will isolate it."""
+
+    def lemma(s: Seen) -> Bit:
+        y, t = s.sync, age(alone(s, n), MOST + 1).int()
+        open_ = y.window & y[f"seen_{n}"] & (y.age + 1 >= t)
+        return any_of(*three(y, "cut_")) | (t == 0) | open_
+
+    return named(f"the lone brake of {n} is timed by its window", lemma)
+
+
+def isolated_alone(s: Seen, n: str, spare: int) -> Bit:
+    """After T_sync and some spare frames of braking alone, the channel or one before it is isolated."""
+    long = alone(s, n) & (age(alone(s, n), MOST + 1).int() + 1 >= s.sync.frames + spare)
+    return implies(long, s.targets[n] | any_of(*three(s.sync, "cut_")))
+
+
+A_BRAKES_ALONE = demands(6000, a=[(1000, EVER)], b=[], c=[])
+
+
+@claim(CommonPart, given=no_fault_found, symbolic=T_SYNC, expect=PROVED, requirement="TS7-1",
+       lemmas=[windows_in_order, timed_alone("a")],
+       source="[P] if they do not brake, the first is faulty and is cut off", witness=A_BRAKES_ALONE)  # fmt: skip
+def a_lone_brake_is_isolated(s: Seen) -> Bit:
+    """A channel that brakes alone is isolated within one window and a frame."""
+    return isolated_alone(s, "a", 1)
+
+
+@claim(CommonPart, given=no_fault_found, symbolic=T_SYNC, expect=REFUTED, requirement="TS7-1", scenario=A_BRAKES_ALONE,
+       twin_of=a_lone_brake_is_isolated)  # fmt: skip
+def a_lone_brake_is_isolated_a_frame_earlier(s: Seen) -> Bit:
+    """The time is exact."""
+    return isolated_alone(s, "a", 0)
+
+
 # --- how low the brake can come without need -----------------------------------------------------------------------
 
 

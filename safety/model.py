@@ -21,9 +21,9 @@ from typing import Any, cast, dataclass_transform
 from safety.fields import Parameter, PowerUp, fit, parameter, power_up, sort_of
 from safety.scope import assume, current, point
 from safety.system import ANY, Clock, ModelError, PowerUpValue, Setting, State, nearest
-from safety.terms import Bit, Term
-from safety.terms.graph import Sort, variable
-from safety.terms.values import bit, const
+from safety.terms import Bit, Int, Term, UInt
+from safety.terms.graph import REAL, Sort, variable
+from safety.terms.values import const
 
 __all__ = ["ANY", "Model", "ModelError", "assume", "parameter", "parts", "point", "power_up", "registers"]
 
@@ -34,13 +34,14 @@ class Model:
 
     _clock: typing.ClassVar[Clock | None] = None
     _locals: typing.ClassVar[Mapping[str, Any]] = {}
-    _path = ""
+    _path: typing.ClassVar[str | None] = None  # full name with a dot at the end; known to the parts that a trace has made
+    _old = False  # whether it is the part before its step
 
     def __init_subclass__(cls, *, tick_s: float | str | Fraction | None = None, event: str | None = None) -> None:
         if tick_s is not None and event is not None:
             raise ModelError(f"{cls.__name__}: a clock is a period or an event, not both")
         if tick_s is not None:
-            cls._clock = Clock(period=Fraction(str(tick_s)))
+            cls._clock = Clock(period=_seconds(cls, tick_s))
         elif event is not None:
             cls._clock = Clock(event=event)
         cls._locals = sys._getframe(1).f_locals
@@ -52,24 +53,26 @@ class Model:
 
     def __init__(self, **values: Any) -> None:
         cls = type(self)
-        fields = {**registers(cls), **parts(cls)}
-        missing, unknown = fields.keys() - values.keys(), values.keys() - fields.keys()
+        own, inner = registers(cls), parts(cls)
+        missing, unknown = {*own, *inner} - values.keys(), values.keys() - {*own, *inner}
         if missing:
-            raise ModelError(f"{cls.__name__}(...) lacks {', '.join(sorted(missing))}: every step returns every register and part")
+            names = ", ".join(sorted(missing))
+            raise ModelError(f"{cls.__name__}(...) lacks {names}: every step returns every register and part")
         if unknown:
             name = sorted(unknown)[0]
-            raise ModelError(f"{cls.__name__} has no register or part {name!r}; {nearest(name, fields)}")
-        for name, kind in fields.items():
-            value = values[name]
-            if isinstance(kind, type):
-                if not isinstance(value, kind):
-                    raise ModelError(f"{cls.__name__}({name}=...) is a {kind.__name__}, not {value!r}")
-            else:
-                value = fit(value, kind[0], f"next({cls.__name__}.{name})")
-            object.__setattr__(self, name, value)
+            raise ModelError(f"{cls.__name__} has no register or part {name!r}; {nearest(name, {*own, *inner})}")
+        for name, kind in inner.items():
+            if not isinstance(values[name], kind):
+                raise ModelError(f"{cls.__name__}({name}=...) is a {kind.__name__}, not {values[name]!r}")
+            _in_its_place(cls, name, values[name])
+            object.__setattr__(self, name, values[name])
+        for name, (sort, _) in own.items():
+            object.__setattr__(self, name, fit(values[name], sort, f"next({cls.__name__}.{name})"))
 
     def __setattr__(self, name: str, value: object) -> None:
-        raise ModelError(f"{type(self).__name__}.{name} cannot be assigned; return a new {type(self).__name__}({name}=...)")
+        raise ModelError(
+            f"{type(self).__name__}.{name} cannot be assigned; return a new {type(self).__name__}({name}=...)"
+        )
 
     def parameter_value(self, declared: Parameter) -> Term:
         """The value of one of this model's parameters: set, default, or a rigid register where it is left open."""
@@ -78,22 +81,64 @@ class Model:
         sort = sort_of(hints(cls, cls)[declared.name], f"{cls.__name__}.{declared.name}")
         if scope is None:
             return const(declared.default, sort)
-        path = scope.path + declared.name
+        path = self._place("read the parameter " + declared.name) + declared.name
         if path in scope.symbolic:
             if path not in scope.rigid:
                 var = variable(path, sort)
                 scope.rigid[path] = State(var, var, ANY)
-                scope.start.append(cast(Bit, (var >= declared.low) & (var <= declared.high)))  # type: ignore[operator]
-                scope.used[path] = Setting(path, None, declared.unit, declared.low, declared.high, declared.source, declared.default)
+                scope.start.append(cast(Bit, (var >= declared.low) & (var <= declared.high)))
+                scope.used[path] = _setting(path, None, declared)
             return scope.rigid[path].var
         value = scope.settings.get(path, declared.default)
         if not sort.admits(value) or not declared.low <= value <= declared.high:
-            near = min(max(value, declared.low), declared.high) if isinstance(value, int | Fraction) else declared.default
-            raise ModelError(
-                f"{path} = {value} {declared.unit} lies outside {declared.low}..{declared.high} {declared.unit}; the nearest admissible value is {near}"
-            )
-        scope.used[path] = Setting(path, value, declared.unit, declared.low, declared.high, declared.source, declared.default)
+            raise ModelError(f"{path} = {value} {declared.unit} {_outside(declared, sort, value)}")
+        scope.used[path] = _setting(path, value, declared)
         return const(value, sort)
+
+    def _place(self, doing: str) -> str:
+        """The path, with a dot at the end; `ModelError` for an instance that the step has made itself."""
+        if self._path is None:
+            name = type(self).__name__
+            raise ModelError(
+                f"cannot {doing} of a {name} made within a step; a part is a field: `{name.lower()}: {name}`"
+            )
+        return self._path
+
+
+def _setting(path: str, value: Any, declared: Parameter) -> Setting:
+    return Setting(path, value, declared.unit, declared.low, declared.high, declared.source, declared.default)
+
+
+def _outside(declared: Parameter, sort: Sort, value: Any) -> str:
+    """Why a parameter does not take a value, with the nearest one that it takes."""
+    within = f"{declared.low}..{declared.high} {declared.unit}"
+    if isinstance(value, bool) or not isinstance(value, int | Fraction):
+        return f"is not a value of {sort}; write an exact number in {within}, e.g. {declared.default}"
+    near = min(max(value if sort == REAL else round(value), declared.low), declared.high)
+    return f"lies outside {within}; the nearest admissible value is {near}"
+
+
+def _seconds(cls: type[Model], tick_s: float | str | Fraction) -> Fraction:
+    try:
+        period = Fraction(str(tick_s))
+    except (ValueError, ZeroDivisionError):
+        period = Fraction(0)
+    if period <= 0:
+        raise ModelError(f'{cls.__name__}: tick_s={tick_s!r} is not a time; write the seconds of a step, e.g. "125e-6"')
+    return period
+
+
+def _in_its_place(cls: type[Model], name: str, part: Model) -> None:
+    """Refuse a part that belongs to another field, or that has been stepped and is returned as it was before."""
+    scope = current.get()
+    if scope is None or part._path is None:
+        return
+    if part._path != f"{scope.path}{name}.":
+        raise ModelError(
+            f"{cls.__name__}({name}=...) is given the part {part._path[:-1]!r}; return each part as itself"
+        )
+    if part._path in scope.stepped and part._old and (registers(type(part)) or parts(type(part))):
+        raise ModelError(f"{cls.__name__}({name}=...) is given {name!r} as it was; return what {name}.step(...) gave")
 
 
 def registers(cls: type[Model]) -> dict[str, tuple[Sort, PowerUpValue]]:
@@ -114,6 +159,10 @@ def _shape(cls: type[Model]) -> tuple[dict[str, tuple[Sort, PowerUpValue]], dict
         if name.startswith("_") or typing.get_origin(annotation) is typing.ClassVar:
             continue
         declared = cls.__dict__.get(name, getattr(cls, name, None))
+        if name in vars(Model) or name == "step":
+            raise ModelError(
+                f"{cls.__name__}.{name}: every model has a {name!r} of its own; give the field another name"
+            )
         if isinstance(annotation, type) and issubclass(annotation, Model):
             inner[name] = annotation
         elif isinstance(declared, PowerUp):
@@ -141,17 +190,42 @@ def _flatten(value: Any, prefix: str) -> Iterator[tuple[str, Term]]:
     """Full names and terms of an output: a term, or (nested) named tuples of terms."""
     if isinstance(value, Term):
         yield prefix, value
-    elif hasattr(value, "_fields"):
+    else:
         for name, item in zip(value._fields, value, strict=True):
             yield from _flatten(item, f"{prefix}.{name}" if prefix else name)
-    elif isinstance(value, bool):
-        yield prefix, bit(value)
-    else:
-        raise ModelError(f"output {prefix or '(the result)'} is {value!r}; outputs are terms or named tuples of terms")
+
+
+def _fitted(cls: type[Model], annotation: Any, value: Any, where: str) -> Any:
+    """A value as its annotation wants it: fields of a bundle one by one, a term brought to its sort."""
+    if not is_bundle(annotation):
+        return fit(value, sort_of(annotation, where), where)
+    if not isinstance(value, annotation):
+        raise ModelError(f"{where} is a {annotation.__name__}, not {value!r}")
+    types = hints(cls, annotation)
+    fields = zip(annotation._fields, value, strict=True)
+    return annotation(*(_fitted(cls, types[name], item, f"{where}.{name}") for name, item in fields))
+
+
+def _output(cls: type[Model], annotation: Any, value: Any, where: str) -> Any:
+    """Outputs as the step's return type wants them; a kind without a width takes every width."""
+    if annotation in (UInt, Int) and isinstance(value, annotation):
+        return value
+    if is_bundle(annotation) and isinstance(value, annotation):
+        types = hints(cls, annotation)
+        fields = zip(annotation._fields, value, strict=True)
+        return annotation(*(_output(cls, types[name], item, f"{where}.{name}") for name, item in fields))
+    return _fitted(cls, annotation, value, where)
+
+
+def _outputs(cls: type[Model], returned: Any, outputs: Any) -> Any:
+    wanted = typing.get_args(returned)
+    if typing.get_origin(returned) is not tuple or len(wanted) != 2:
+        raise ModelError(f"{cls.__name__}.step has outputs; annotate its result, e.g. -> tuple[{cls.__name__}, Bit]")
+    return _output(cls, wanted[1], outputs, f"output of {cls.__name__}")
 
 
 def _recorded(step: Any) -> Any:
-    """`step` as written, with its inputs fitted to their types and its outputs noted under the part's name."""
+    """`step` as written, with inputs and outputs fitted to their types and its outputs noted under the part's name."""
 
     @functools.wraps(step)
     def call(self: Model, *args: Any, **kwargs: Any) -> Any:
@@ -159,21 +233,30 @@ def _recorded(step: Any) -> Any:
         types = hints(cls, step)
         bound = inspect.signature(step).bind(self, *args, **kwargs)
         for name, value in list(bound.arguments.items())[1:]:
-            if not is_bundle(types[name]):
-                bound.arguments[name] = fit(value, sort_of(types[name], f"{cls.__name__}.step({name})"), f"{cls.__name__}.step({name}=...)")
-        prefix = self._path
+            bound.arguments[name] = _fitted(cls, types[name], value, f"{cls.__name__}.step({name}=...)")
         if scope is None:
             return step(*bound.args, **bound.kwargs)
+        prefix = self._place("take a step")
+        if prefix in scope.stepped and scope.path != prefix:
+            raise ModelError(f"{prefix[:-1]!r} is stepped twice in one step; one step of the whole is one of each part")
+        scope.stepped.add(prefix)
         with scope.within(prefix):
             result = step(*bound.args, **bound.kwargs)
         following, outputs = result if type(result) is tuple and len(result) == 2 else (result, None)
         if not isinstance(following, cls):
-            raise ModelError(f"{cls.__name__}.step returns {following!r}; it returns the next {cls.__name__}, or that and its outputs")
-        if outputs is not None:
-            for name, term in _flatten(outputs, ""):
-                if name in registers(cls) or name in parts(cls):
-                    raise ModelError(f"{cls.__name__}: output {name!r} has the name of a register or part; give it another")
-                scope.signals[prefix + (name or "out")] = term
-        return result
+            raise ModelError(
+                f"{cls.__name__}.step returns {following!r}; write the next {cls.__name__}, or that and its outputs"
+            )
+        object.__setattr__(following, "_path", prefix)
+        object.__setattr__(following, "_old", False)
+        if outputs is None:
+            return following
+        outputs = _outputs(cls, types.get("return"), outputs)
+        for name, term in _flatten(outputs, ""):
+            head = name.partition(".")[0]
+            if head in registers(cls) or head in parts(cls):
+                raise ModelError(f"{cls.__name__}: output {head!r} has the name of a register or part; give it another")
+            scope.signals[prefix + (name or "out")] = term
+        return following, outputs
 
     return call

@@ -31,9 +31,11 @@ class Scope:
     parts: dict[str, str] = field(default_factory=dict)
     assumptions: dict[str, Term] = field(default_factory=dict)
     start: list[Bit] = field(default_factory=list)
+    stepped: set[str] = field(default_factory=set)
 
     @contextmanager
     def within(self, path: str) -> Iterator[None]:
+        """While the part of a path takes its step."""
         before, self.path = self.path, path
         try:
             yield
@@ -47,9 +49,13 @@ current: ContextVar[Scope | None] = ContextVar("scope", default=None)
 def point(name: str, value: AnyTerm) -> AnyTerm:
     """Name a place where a fault can act; healthy it is `value`.  The full name takes the path of the part.
 
-    Raises `ModelError` when the name is used twice in one step.
+    Raises `ModelError` when the name is used twice in one step, or the value is no term.
     """
     scope = current.get()
+    if not isinstance(value, Term):
+        raise ModelError(
+            f"point {name!r} is given {value!r}; a fault acts on a term: write bit(...), word(...) or real(...)"
+        )
     if scope is None:
         return value
     full = scope.path + name
@@ -61,7 +67,16 @@ def point(name: str, value: AnyTerm) -> AnyTerm:
 
 
 def assume(label: str, condition: Bit) -> None:
-    """State what the surroundings guarantee at every step; it is shown in each result and checked in each run."""
+    """State what the surroundings guarantee at every step; it is shown in each result and checked in each run.
+
+    Raises `ModelError` when two assumptions of a step share a label, or the condition is no bit.
+    """
     scope = current.get()
-    if scope is not None:
-        scope.assumptions[scope.path + label] = condition
+    if not isinstance(condition, Bit):
+        raise ModelError(f"assume({label!r}) is given {condition!r}; an assumption is a bit, e.g. a comparison")
+    if scope is None:
+        return
+    full = scope.path + label
+    if full in scope.assumptions:
+        raise ModelError(f"{full!r} is assumed twice in one step; give the second assumption a text of its own")
+    scope.assumptions[full] = condition

@@ -7,13 +7,14 @@ can be done to a system can be done to all of them.
 from __future__ import annotations
 
 import difflib
+import functools
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from typing import Any
 
 from safety.terms import Bit
-from safety.terms.graph import Term, rewrite
+from safety.terms.graph import Term, rewrite, variable
 from safety.terms.values import bit, build
 
 
@@ -31,6 +32,7 @@ class _Any:
 
 
 ANY = _Any()
+OUTPUT = " (output)"  # added to the name of an output that an input has too
 PowerUpValue = bool | int | Fraction | _Any
 
 
@@ -98,14 +100,26 @@ class System:
     assumptions: Mapping[str, Term] = field(default_factory=dict)
     start: Bit = field(default_factory=lambda: bit(True))
 
-    @property
+    def __post_init__(self) -> None:
+        taken: set[str] = set()
+        for path in (*(s.path for s in self.states), *self.inputs):
+            if path in taken:  # one variable would have to obey two laws
+                raise ModelError(f"{self.name}: two registers or inputs are called {path!r}; give one another name")
+            taken.add(path)
+        for path in self.signals:
+            if path in taken:
+                kind = "a register" if path in self.state else "an input"
+                raise ModelError(f"{self.name}: output {path!r} has the name of {kind}; give it another")
+
+    @functools.cached_property
     def state(self) -> Mapping[str, State]:
         """Registers by full name."""
         return {s.path: s for s in self.states}
 
     def roots(self) -> list[Term]:
         """Every term that the system consists of."""
-        return [*(s.next for s in self.states), *self.signals.values(), *self.points.values(), *self.assumptions.values()]
+        nexts = (s.next for s in self.states)
+        return [*nexts, *self.signals.values(), *self.points.values(), *self.assumptions.values()]
 
     def mapped(self, change: Callable[[list[Term]], list[Term]]) -> System:
         """The system with all its terms replaced in one go."""
@@ -156,21 +170,45 @@ def substitute(terms: Iterable[Term], mapping: Mapping[int, Term]) -> list[Term]
     return rewrite(terms, rule)
 
 
-def repeat(system: System, steps: int) -> System:
-    """`steps` steps as one, the inputs held; signals and points are those of the last step, assumptions hold in each.
+def substeps(system: System, steps: int, free: Iterable[str] = ()) -> list[dict[int, Term]]:
+    """For each of `steps` steps taken in a row, what stands for each variable: registers by what they then hold.
 
-    The clock's period grows accordingly.
+    Inputs are held, except those named in `free`: they are chosen anew at each step (the last keeps the bare name).
     """
+    if steps < 1:
+        raise ModelError(f"{system.name}: {steps} steps as one; write 1 or more")
+    maps: list[dict[int, Term]] = []
     held = {s.var.uid: s.var for s in system.states}
+    for k in range(steps):
+        if k:
+            following = substitute([s.next for s in system.states], maps[-1])
+            held = {s.var.uid: term for s, term in zip(system.states, following, strict=True)}
+        last = k == steps - 1
+        fresh = {name: system.inputs[name] for name in free if not last}
+        maps.append(held | {v.uid: variable(substep_name(name, k), v.sort) for name, v in fresh.items()})
+    return maps
+
+
+def substep_name(name: str, k: int) -> str:
+    """The name of an input or assumption at a step before the last of those taken as one."""
+    return f"{name} (step {k})"
+
+
+def repeat(system: System, steps: int, free: Iterable[str] = ()) -> System:
+    """`steps` steps as one, the inputs held (but those in `free` chosen anew at each); assumptions hold in each.
+
+    Signals and points are those of the last step.  The clock's period grows accordingly.
+    """
+    *before, last = substeps(system, steps, free)
+    assumed = list(system.assumptions.values())
     assumptions: dict[str, Term] = {}
-    roots = [*(s.next for s in system.states), *system.assumptions.values()]
-    for k in range(steps - 1):
-        new = substitute(roots, held)
-        held = {s.var.uid: t for s, t in zip(system.states, new, strict=False)}
-        assumptions |= {f"{name} (step {k})": t for name, t in zip(system.assumptions, new[len(system.states) :], strict=True)}
-    last = system.mapped(lambda terms: substitute(terms, held))
-    period = system.clock.period
-    clock = Clock(period * steps if period else None, f"{steps} x {system.clock.event}" if system.clock.event else None)
-    return replace(last, clock=clock, assumptions=assumptions | dict(last.assumptions))
-
-
+    inputs = dict(system.inputs)
+    for k, held in enumerate(before):
+        names = [substep_name(label, k) for label in system.assumptions]
+        assumptions |= dict(zip(names, substitute(assumed, held), strict=True))
+        inputs |= {substep_name(name, k): held[system.inputs[name].uid] for name in free}
+    whole = system.mapped(lambda terms: substitute(terms, last))
+    clock = system.clock
+    period = clock.period * steps if clock.period else None
+    clock = Clock(period, f"{steps} x {clock.event}" if clock.event and steps > 1 else clock.event)
+    return replace(whole, clock=clock, inputs=inputs, assumptions=assumptions | dict(whole.assumptions))

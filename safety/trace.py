@@ -9,7 +9,7 @@ from fractions import Fraction
 from typing import Any
 
 from safety.model import Model
-from safety.system import ANY, ModelError, System, nearest
+from safety.system import ANY, ModelError, State, System, nearest
 from safety.terms.graph import Sort
 from safety.terms.texts import compile_python
 from safety.tracing import trace
@@ -58,8 +58,13 @@ class Trace:
             previous = row
 
     def table(self, paths: Sequence[str] | None = None, first: int = 0, last: int | None = None) -> str:
-        """A text table, a line a step at which something changed; an unchanged cell is a dot."""
+        """A text table, a line a step at which something changed; an unchanged cell is a dot.
+
+        Raises `ModelError` for a path that the run does not have.
+        """
         paths = list(paths or self.columns)
+        for path in paths:
+            self[path]
         lines = [["step", *paths]]
         for k, changed in self.changes(first, last):
             cells = [show(changed[p]) if p in changed else "." for p in paths]
@@ -69,16 +74,19 @@ class Trace:
         return "\n".join("  ".join(c.rjust(w) for c, w in zip(line, widths, strict=True)) for line in lines)
 
     def vcd(self) -> str:
-        """The run as a value change dump (IEEE 1364), one time unit a step; reals as exact text in a comment-free `real`."""
+        """The run as a value change dump (IEEE 1364): parts are scopes, a real is the nearest double.
+
+        The time unit is the coarsest that a step is a whole number of; an event is one unit.
+        """
+        unit, scale = _timescale(self.system.clock.period)
         names = {p: _code(i) for i, p in enumerate(self.columns)}
-        period = self.system.clock.period
-        lines = ["$version rightside $end", f"$comment one time unit is one step, {self.system.clock} $end", "$timescale 1 ns $end"]
-        scale = int(period * 1_000_000_000) if period and (period * 1_000_000_000).denominator == 1 else 1
-        for path, code in names.items():
-            sort, label = self.sort(path), path.replace(".", "_")
-            bits = 1 if sort.kind == "bit" else 64 if sort.kind == "real" else max(b.bit_length() for b in sort.bounds) + (sort.kind == "int")
-            lines.append(f"$var {'real' if sort.kind == 'real' else 'wire'} {bits} {code} {label} $end")
-        lines.append("$enddefinitions $end")
+        lines = [
+            "$version rightside $end",
+            f"$comment one step is {scale} x {unit}; steps {self.system.clock} $end",
+            f"$timescale {unit} $end",
+            *_declarations({p: (self.sort(p), code) for p, code in names.items()}, self.system.name),
+            "$enddefinitions $end",
+        ]
         for k, changed in self.changes():
             lines.append(f"#{k * scale}")
             lines += [_vcd_value(self.sort(p), v, names[p]) for p, v in changed.items()]
@@ -86,11 +94,12 @@ class Trace:
 
     def to_json(self, paths: Sequence[str] | None = None) -> dict[str, Any]:
         """Signals with kind and, for each, its changes as [step, value]; exact rationals as `p/q`."""
+        kinds = {"bit": "bit"}
         return {
             "steps": self.steps,
             "tick_s": str(self.system.clock.period) if self.system.clock.period else None,
             "signals": [
-                {"path": p, "kind": "bit" if self.sort(p).kind == "bit" else "number", "unit": "", "changes": self._steps(p)}
+                {"path": p, "kind": kinds.get(self.sort(p).kind, "number"), "unit": "", "changes": self._steps(p)}
                 for p in (paths or self.columns)
             ],
         }  # fmt: skip
@@ -103,6 +112,46 @@ class Trace:
 def show(value: Any) -> str:
     """A value as a short text: bits as 0 and 1."""
     return str(int(value)) if isinstance(value, bool) else str(value)
+
+
+_UNITS = {"1 s": 1, "1 ms": 10**3, "1 us": 10**6, "1 ns": 10**9, "1 ps": 10**12, "1 fs": 10**15}
+
+
+def _timescale(period: Fraction | None) -> tuple[str, int]:
+    """A unit of time and how many of it a step takes; one where no unit fits, or the clock is an event."""
+    for unit, per_second in _UNITS.items():
+        if period is not None and (period * per_second).denominator == 1:
+            return unit, int(period * per_second)
+    return "1 ns", 1
+
+
+def _declarations(signals: Mapping[str, tuple[Sort, str]], whole: str) -> Iterator[str]:
+    """The variables of a dump, those of a part within its scope."""
+    yield f"$scope module {_word(whole)} $end"
+    inside: list[str] = []
+    for path in sorted(signals, key=lambda p: (p.split(".")[:-1], p)):
+        sort, code = signals[path]
+        *scopes, name = map(_word, path.split("."))
+        shared = next(
+            (i for i, (x, y) in enumerate(zip(inside, scopes, strict=False)) if x != y), min(len(inside), len(scopes))
+        )
+        yield from ["$upscope $end"] * (len(inside) - shared)
+        yield from (f"$scope module {scope} $end" for scope in scopes[shared:])
+        inside = scopes
+        yield f"$var {'real' if sort.kind == 'real' else 'wire'} {_bits(sort)} {code} {name} $end"
+    yield from ["$upscope $end"] * (len(inside) + 1)
+
+
+def _word(text: str) -> str:
+    return "_".join(text.split())
+
+
+def _bits(sort: Sort) -> int:
+    """Bits of a value in a dump: an integer that can be negative is two's complement."""
+    if sort.kind == "real":
+        return 64
+    low, high = sort.bounds
+    return max(low.bit_length(), high.bit_length(), 1) + (low < 0)
 
 
 def _code(i: int) -> str:
@@ -119,14 +168,12 @@ def _vcd_value(sort: Sort, value: Any, code: str) -> str:
         return f"{int(value)}{code}"
     if sort.kind == "real":
         return f"r{float(value):.17g} {code}"
-    if value < 0:
-        value += 1 << (max(b.bit_length() for b in sort.bounds) + 1)
-    return f"b{value:b} {code}"
+    return f"b{value % (1 << _bits(sort)):b} {code}"
 
 
 @dataclass
 class Stepper:
-    """A system compiled on the Python reading: next registers, observed signals, assumptions from registers and inputs."""
+    """A system compiled on the Python reading: next registers, observed signals and assumptions, in this order."""
 
     system: System
     function: Callable[..., tuple[Any, ...]]
@@ -136,9 +183,15 @@ class Stepper:
     def of(cls, system: System, keep: Sequence[str] | None = None) -> Stepper:
         """Compile a system's step; with `keep` only those signals are computed besides the registers."""
         inputs = [*(s.var for s in system.states), *system.inputs.values()]
-        known = dict.fromkeys(p for p in (*system.points, *system.signals) if p not in system.state and p not in system.inputs)
+        known = dict.fromkeys(
+            p for p in (*system.points, *system.signals) if p not in system.state and p not in system.inputs
+        )
         observed = [p for p in known if keep is None or p in keep]
-        outputs = [*(s.next for s in system.states), *(system.lookup(p) for p in observed), *system.assumptions.values()]
+        outputs = [
+            *(s.next for s in system.states),
+            *(system.lookup(p) for p in observed),
+            *system.assumptions.values(),
+        ]
         return cls(system, compile_python(inputs, outputs), observed)
 
 
@@ -168,14 +221,15 @@ def run(
     index = [paths.index(p) for p in kept]
     columns: list[list[Any]] = [[] for _ in kept]
     n, names, count, watched = len(system.states), list(system.inputs), 0, len(stepper.observed)
-    before: Row | None = None
+    given: list[Any] = []
     for row in _rows(inputs, steps):
-        if row is not before:
-            given, before = _checked(system, row, names, count), row
+        given = _checked(system, row, names, count, given)
         result = stepper.function(*state, *given)
         if False in result[n + watched :]:
             label = list(system.assumptions)[result[n + watched :].index(False)]
-            raise ModelError(f"step {count} of {system.name} breaks the assumption {label!r}: choose inputs that keep it")
+            raise ModelError(
+                f"step {count} of {system.name} breaks the assumption {label!r}: choose inputs that keep it"
+            )
         values = (*state, *given, *result[n : n + watched])
         for column, i in zip(columns, index, strict=True):
             column.append(values[i])
@@ -196,7 +250,10 @@ def _rows(inputs: Inputs, steps: int | None) -> Iterator[Row]:
 
 
 def initial_state(system: System, start: Mapping[str, Any]) -> tuple[tuple[Any, ...], dict[str, Any]]:
-    """Power-up values in the order of the registers, and those that ANY left open as they were chosen."""
+    """Power-up values in the order of the registers, and those that ANY left open as they were chosen.
+
+    What `start` does not say is 0 or false, or the least value that there is; of an open parameter it is the default.
+    """
     for path in start:
         if path not in system.state:
             raise ModelError(f"{system.name} has no register {path!r}; {nearest(path, system.state)}")
@@ -205,24 +262,50 @@ def initial_state(system: System, start: Mapping[str, Any]) -> tuple[tuple[Any, 
         if s.power_up is not ANY:
             value = s.power_up
             if start.get(s.path, value) != value:
-                raise ModelError(f"{s.path} is {value!r} at power-up, not {start[s.path]!r}: only registers declared ANY can be set")
+                raise ModelError(
+                    f"{s.path} is {value!r} at power-up, not {start[s.path]!r}: only registers declared ANY can be set"
+                )
         else:
-            low = {"bit": False, "real": Fraction(0)}.get(s.var.sort.kind, 0 if s.var.sort.kind == "uint" else s.var.sort.low)
-            value = chosen[s.path] = start.get(s.path, low)
+            value = chosen[s.path] = start.get(s.path, _unset(system, s))
         if not s.var.sort.admits(value):
             raise ModelError(f"{s.path} is {s.var.sort}: {value!r} is not a value of it")
         values.append(value)
+    _in_range(system, chosen)
     return tuple(values), chosen
 
 
-def _checked(system: System, row: Row, names: list[str], step: int) -> list[Any]:
+def _unset(system: System, state: State) -> Any:
+    if state.path in system.settings:
+        return system.settings[state.path].default
+    return least(state.var.sort)
+
+
+def least(sort: Sort) -> Any:
+    """The value that stands where none is given: 0 or false, or the least of a range."""
+    return {"bit": False, "real": Fraction(0)}.get(sort.kind, sort.low)
+
+
+def _in_range(system: System, chosen: Mapping[str, Any]) -> None:
+    """Refuse an open parameter outside its range."""
+    for path, value in chosen.items():
+        setting = system.settings.get(path)
+        if setting is not None and not setting.low <= value <= setting.high:
+            raise ModelError(f"{path} = {value} lies outside {setting.low}..{setting.high} {setting.unit}")
+
+
+def _checked(system: System, row: Row, names: list[str], step: int, before: list[Any]) -> list[Any]:
+    """The inputs of a step in order; values that are those of the step before need no second look."""
     if len(row) != len(names) or any(name not in row for name in names):
         for name in row:
             if name not in system.inputs:
                 raise ModelError(f"{system.name} has no input {name!r} (step {step}); {nearest(name, names)}")
         missing = ", ".join(name for name in names if name not in row)
         raise ModelError(f"step {step} of {system.name} lacks the input {missing}")
-    for name in names:
-        if not system.inputs[name].sort.admits(row[name]):
-            raise ModelError(f"step {step}: input {name} is {system.inputs[name].sort}: {row[name]!r} is not a value of it")
-    return [row[name] for name in names]
+    values = [row[name] for name in names]
+    if len(before) == len(values) and all(x is y for x, y in zip(values, before, strict=True)):
+        return before
+    for name, value in zip(names, values, strict=True):
+        sort = system.inputs[name].sort
+        if not sort.admits(value):
+            raise ModelError(f"step {step}: input {name} is {sort}: {value!r} is not a value of it")
+    return values

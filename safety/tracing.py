@@ -10,7 +10,7 @@ from typing import Any
 from safety.fields import Parameter, sort_of
 from safety.model import Model, hints, is_bundle, parts, registers
 from safety.scope import Scope, current
-from safety.system import Clock, ModelError, PowerUpValue, State, System, nearest
+from safety.system import OUTPUT, Clock, ModelError, PowerUpValue, State, System, nearest
 from safety.terms import Term
 from safety.terms.graph import Sort, variable
 from safety.terms.values import all_of, const
@@ -20,6 +20,7 @@ def _instance(cls: type[Model], path: str, value: Any) -> Model:
     """An instance whose registers are `value(path, sort, power_up)`, with parts, knowing its own path."""
     new = object.__new__(cls)
     object.__setattr__(new, "_path", path)
+    object.__setattr__(new, "_old", True)
     for name, (sort, start) in registers(cls).items():
         object.__setattr__(new, name, value(path + name, sort, start))
     for name, part in parts(cls).items():
@@ -109,25 +110,39 @@ def trace(cls: type[Model], settings: Mapping[str, Any] | None = None, symbolic:
     clash = inputs.keys() & {str(v.attr) for v, _ in states}
     if clash:
         raise ModelError(f"{cls.__name__}: input {sorted(clash)[0]!r} has the name of a register; give it another")
-    token = current.set(scope)
-    try:
-        result = before.step(**arguments)  # type: ignore[attr-defined]
-    finally:
-        current.reset(token)
-    after = result[0] if isinstance(result, tuple) else result
-    nexts = dict(_register_terms(after, ""))
+    nexts = _stepped(cls, scope, before, arguments)
+    for path in _part_names(cls):
+        if f"{path[0]}." not in scope.stepped:
+            raise ModelError(
+                f"{cls.__name__}: part {path[0]!r} is never stepped; call self.{path[0]}.step(...) or leave it out"
+            )
     return System(
         name=cls.__name__,
         clock=_clock_of(cls),
         states=(*(State(v, nexts[str(v.attr)], start) for v, start in states), *scope.rigid.values()),
         inputs=inputs,
-        signals=scope.signals,
+        signals={_apart(name, inputs): term for name, term in scope.signals.items()},
         points=scope.points,
         settings=scope.used,
         parts=dict(_part_names(cls)),
         assumptions=scope.assumptions,
         start=all_of(*scope.start),
     )
+
+
+def _stepped(cls: type[Model], scope: Scope, before: Model, arguments: Mapping[str, Any]) -> dict[str, Term]:
+    """Take the step within a scope; the next registers by full name."""
+    token = current.set(scope)
+    try:
+        result = before.step(**arguments)  # type: ignore[attr-defined]
+    finally:
+        current.reset(token)
+    return dict(_register_terms(result[0] if isinstance(result, tuple) else result, ""))
+
+
+def _apart(name: str, inputs: Mapping[str, Term]) -> str:
+    """The name of an output; one that an input has too is told from it."""
+    return f"{name}{OUTPUT}" if name in inputs else name
 
 
 def _register_terms(model: Model, path: str) -> Iterator[tuple[str, Term]]:
@@ -147,13 +162,6 @@ def direct_step(
     scope = Scope(cls.__name__, resolve(cls, settings or {}), frozenset(), direct=True)
     before = _instance(cls, "", lambda path, sort, _: const(state[path], sort))
     arguments, _ = _inputs(cls, lambda name, sort: const(inputs[name], sort))
-    token = current.set(scope)
-    try:
-        result = before.step(**arguments)  # type: ignore[attr-defined]
-    finally:
-        current.reset(token)
-    after = result[0] if isinstance(result, tuple) else result
-    return (
-        {path: term.attr for path, term in _register_terms(after, "")},
-        {path: term.attr for path, term in {**scope.points, **scope.signals}.items()},
-    )
+    nexts = _stepped(cls, scope, before, arguments)
+    seen = {**scope.points, **{_apart(name, inputs): term for name, term in scope.signals.items()}}
+    return {path: term.attr for path, term in nexts.items()}, {path: term.attr for path, term in seen.items()}

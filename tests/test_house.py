@@ -15,7 +15,7 @@ ROOT = Path(__file__).resolve().parent.parent
 FACADE = "safety"  # safety/__init__.py hands out names to users; inside the package only the outermost parts use it
 
 # The parts of safety/, each with the parts that it may import besides itself.
-CORE = {"terms", "system", "scope", "fields", "model", "tracing", "trace", "faults"}
+CORE = {"terms", "system", "scope", "fields", "model", "tracing", "trace", "kinds", "faults"}
 ANALYSES = CORE | {"prove", "inject", "trees", "trees.from_model", "rates"}
 EVERYTHING = ANALYSES | {FACADE, "project", "report", "commands", "pytest_plugin"}
 MAY_IMPORT = {
@@ -26,7 +26,8 @@ MAY_IMPORT = {
     "model": {"terms", "system", "scope", "fields"},
     "tracing": {"terms", "system", "scope", "fields", "model"},
     "trace": {"terms", "system", "model", "tracing"},
-    "faults": {"terms", "system"},
+    "kinds": {"terms", "system"},
+    "faults": {"terms", "system", "kinds"},
     "prove": CORE,
     "inject": CORE,
     "trees": set(),

@@ -7,10 +7,11 @@ Source: components and modes after the fault table of the equipment [A]; a wrong
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import cast
 
-from safety import Fault, UInt, byzantine, flip, frozen, open_circuit, stuck, welded, word
-from safety.faults import Kind
-from safety.terms.graph import Term
+from safety import Bit, Fault, UInt, byzantine, flip, frozen, open_circuit, select, stuck, welded, word
+from safety.faults import Kind, Seat
+from safety.terms.graph import Term, uint
 
 CHANNELS = "abc"
 WORD_90, WORD_25, SMALLEST_WHEEL = 191, 53, 156
@@ -26,6 +27,22 @@ def wired_or(value: int) -> Kind:
     """Two rows at once: the columns carry the OR of two words."""
     meaning = f"each bit of {value} is on"
     return Kind(f"ORed with {value}", meaning, lambda _, healthy: as_word(healthy) | value, ("uint",))
+
+
+def fewer_pulses(one_in: int) -> Kind:
+    """Oscillator too fast, as its channel sees it: in its shorter frames one generator pulse in so many is missing.
+
+    At `axle.pulse` the oscillator is shared, at `a.f_s` it is channel a's own; the speed-up is 1/(one_in - 1).
+    """
+
+    def effect(seat: Seat, healthy: Term) -> Term:
+        width = one_in.bit_length()
+        came = cast(UInt, seat.register("came", uint(width), 0))
+        pulse, last = cast(Bit, healthy), came == one_in - 1
+        seat.then(came, select(pulse, select(last, 0, (came + 1).low(width)), came))
+        return pulse & ~last
+
+    return Kind(f"one pulse in {one_in} missing", "fewer pulses a frame: the frames are too short", effect, ("bit",))
 
 
 def as_word(term: Term) -> UInt:

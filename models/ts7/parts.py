@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import Self
 
-from safety import ANY, U2, U4, U8, Bit, Model, point, power_up, select
+from safety import ANY, U2, U4, U8, Bit, Model, UInt, point, power_up, select
 
 
 class Divider(Model, tick_s="125e-6"):
@@ -63,10 +63,13 @@ class CheckWindow(Model, tick_s="125e-6"):
     def step(self, overflow: Bit) -> tuple[CheckWindow, Bit]:
         """Count one frame; judge at the last one of a block."""
         counted, last = self.count + overflow.word(), self.frame == 255
-        normal = (counted > QUARTER) & (counted < HALF)
-        faulty = point("faulty", self.faulty | (last & ~normal))
+        faulty = point("faulty", self.faulty | (last & ~self.normal(counted)))
         count = select(last, 0, counted.low(8))
         return type(self)(frame=(self.frame + 1).low(8), count=count, faulty=faulty), faulty
+
+    def normal(self, counted: UInt) -> Bit:
+        """Strictly between both ends."""
+        return (counted > QUARTER) & (counted < HALF)
 
 
 class Drive(Model, tick_s="125e-6"):

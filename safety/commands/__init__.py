@@ -29,6 +29,7 @@ VERBS = {
     "report": "write or check the report of the last results",
     "replay": "show again how a claim fails, what a fault does, how a hazard comes about",
 }
+MODULES = {"list": "listing"}  # a module `list` would hide the built-in one here
 INPUT_ERROR, INTERNAL, INTERRUPTED = 2, 70, 130
 
 
@@ -86,7 +87,7 @@ def _verbs() -> str:
 def _call(verb: str, words: list[str]) -> int:
     before, whole = _end_like_ctrl_c(signal.SIGTERM), "--traceback" in words
     try:
-        module: Any = importlib.import_module(f"safety.commands.{verb}")
+        module: Any = importlib.import_module(f"safety.commands.{MODULES.get(verb, verb)}")
         args = _parser(verb, module).parse_args(words)
         args.command = shlex.join(["rightside", verb, *words])
         code: int = module.run(args)

@@ -14,16 +14,17 @@ from pathlib import Path
 from typing import Any
 
 from safety.commands import INPUT_ERROR, INTERRUPTED, CommandError, memory
-from safety.commands.evaluate import Answer, Order, find, fitting, has_parameter
+from safety.commands.evaluate import Answer, Order, find, fitting, has_parameter, without_result
 from safety.commands.options import cores
-from safety.commands.output import probe, write_json
+from safety.commands.output import probe, write, write_json
 from safety.commands.screen import Screen
 from safety.commands.selection import Item, items, select
 from safety.commands.versions import versions
 from safety.commands.workers import Workers
 from safety.project import MODELS, PROOFS, Problem, Project, open_project
 from safety.report import terminal
-from safety.report.results import Results, empty, exit_code, merge
+from safety.report.results import Results, ResultsError, empty, exit_code, merge, validate
+from safety.report.schema import SCHEMA
 from safety.report.standing import DISAGREE, INTERNAL, NOTHING, WORDS, standing
 from safety.system import ModelError
 from safety.tracing import resolve, trace
@@ -79,34 +80,37 @@ class Session:
                     self.notes[event.item.id] = event.note
                 if event.answer is not None:
                     done += 1
-                    self._take(event.answer, screen, width)
-                    if self.args.first and self._off(event.answer):
+                    as_asked = self._take(event.answer, screen, width)
+                    if self.args.first and not as_asked:
                         return
                     if time.monotonic() - saved > SAVE_S:
                         self._keep()
                         saved = time.monotonic()
                 screen.working(done, len(self.chosen), workers.at_work(), self.notes)
 
-    def _take(self, answer: Answer, screen: Screen, width: int) -> None:
+    def _take(self, answer: Answer, screen: Screen, width: int) -> bool:
+        """Show and keep an answer; whether it is as asked."""
         item, entry = answer.item, answer.entry
         if answer.problem is not None:
             self._show_problems(screen, [answer.problem])
             self.project.problems.append(answer.problem)
         if entry is None:
-            return
+            return False
+        try:
+            validate({"schema": SCHEMA, item.section: [entry]}, item.id)
+        except ResultsError as error:  # one entry that is out of shape must not cost all the others
+            entry = without_result(item, str(error))
         self.results.update(merge(self.results, {item.section: [entry]}))
         screen.result(item.section, entry, width)
-        if self.tables and entry.get("counterexample") and not standing(item.section, entry).code:
+        as_asked = standing(item.section, entry).code == 0
+        if self.tables and as_asked and entry.get("counterexample"):  # the others follow at the end
             for row in terminal.changed_cells(entry):
                 screen.say(row.text, row.style)
         if answer.vcd:
             path = Path(self.args.vcd, f"{item.id}.vcd")
-            path.parent.mkdir(parents=True, exist_ok=True)
-            path.write_text(answer.vcd, encoding="utf-8")
+            write(path, answer.vcd)
             screen.say(f"    waveform  {path}")
-
-    def _off(self, answer: Answer) -> bool:
-        return answer.entry is None or standing(answer.item.section, answer.entry).code != 0
+        return as_asked
 
     def _show_problems(self, screen: Screen, problems: Iterable[Problem]) -> None:
         for problem in problems:

@@ -1,13 +1,14 @@
 """Batches of injections on the NumPy lanes: lane 0 is the fault-free run, each further lane one injection.
 
-A batch either carries masks only, or a few faults built in one by one (`MOST_BUILT_IN` of them); masks change at the
-steps at which faults begin and end, and stand still between.
+A batch carries masks, and a few faults built in one by one (`MOST_BUILT_IN` of them) that no mask can carry; masks
+change at the steps at which faults begin and end, and stand still between.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from fnmatch import fnmatchcase
 from typing import TYPE_CHECKING, Any
 
 from safety.faults import Fault, present_name, schedule
@@ -29,6 +30,7 @@ MOST_BUILT_IN = 24
 
 Row = Mapping[str, Any]
 Tick = Callable[[int], None]
+ByFault = Mapping[str, Mapping[str, Mask]]  # masks by point, by fault (`identify`)
 
 
 @dataclass(frozen=True)
@@ -61,10 +63,10 @@ class Batch:
 
 @dataclass(frozen=True)
 class Plan:
-    """The batches of a campaign, and the masks of each fault that has some (by `identify`)."""
+    """The batches of a campaign, and the masks of each fault that has some."""
 
     batches: tuple[Batch, ...]
-    masks: Mapping[str, Mapping[str, Mask]]
+    masks: ByFault
 
     @property
     def points(self) -> list[str]:
@@ -82,27 +84,50 @@ def plan(system: System, injections: Sequence[Injection], timing: Timing, *, mos
         if identify(fault) not in found:
             _check_onset(fault, timing)
             found[identify(fault)] = masks(system, fault)
-    plain = [
-        i for i, injection in enumerate(injections) if all(found[identify(f)] is not None for f in injection.faults)
-    ]
-    batches = [Batch(tuple(plain[k : k + most_lanes])) for k in range(0, len(plain), most_lanes)]
-    batches += _built_in(injections, sorted(set(range(len(injections))) - set(plain)), most_lanes)
-    named = {identify(f) for i in plain for f in injections[i].faults}
-    return Plan(tuple(batches), {name: m for name, m in found.items() if m is not None and name in named})
+    masks_of = {name: m for name, m in found.items() if m is not None}
+    return Plan(tuple(_batches(injections, masks_of, most_lanes)), masks_of)
 
 
-def _built_in(injections: Sequence[Injection], positions: Sequence[int], most_lanes: int) -> Iterator[Batch]:
+def _batches(injections: Sequence[Injection], masks_of: ByFault, most_lanes: int) -> Iterator[Batch]:
+    """Injections with faults to build in come first, the masked ones fill up their batches and follow in their own."""
+    built = {i: found for i, one in enumerate(injections) if (found := to_build_in(one, masks_of))}
+    plain = [i for i in range(len(injections)) if i not in built]
+    for positions, faults in _chunks(built, most_lanes):
+        room = most_lanes - len(positions)
+        yield Batch((*positions, *plain[:room]), faults)
+        plain = plain[room:]
+    yield from (Batch(tuple(plain[k : k + most_lanes])) for k in range(0, len(plain), most_lanes))
+
+
+def to_build_in(injection: Injection, masks_of: ByFault) -> dict[int, Fault]:
+    """The faults of an injection that no mask can carry, by place: those without one, and what shares their points.
+
+    Faults at one point act in the order of their places, which a mask behind a built-in fault could not keep.
+    """
+    placed = dict(zip(injection.places, injection.faults, strict=True))
+    found = {place: fault for place, fault in placed.items() if identify(fault) not in masks_of}
+    patterns = [pattern for fault in found.values() for pattern in fault.points]
+    return {
+        place: fault
+        for place, fault in placed.items()
+        if place in found
+        or any(fnmatchcase(point, pattern) for point in masks_of[identify(fault)] for pattern in patterns)
+    }
+
+
+def _chunks(
+    built: Mapping[int, dict[int, Fault]], most_lanes: int
+) -> Iterator[tuple[tuple[int, ...], tuple[Fault, ...]]]:
     chosen: list[int] = []
-    faults: dict[str, Fault] = {}
-    for i in positions:
-        more = {identify(f): f for f in injections[i].faults}
+    faults: dict[int, Fault] = {}
+    for i, more in built.items():
         if chosen and (len(faults | more) > MOST_BUILT_IN or len(chosen) >= most_lanes):
-            yield Batch(tuple(chosen), tuple(faults.values()))
+            yield tuple(chosen), tuple(faults[place] for place in sorted(faults))
             chosen, faults = [], {}
         chosen.append(i)
         faults |= more
     if chosen:
-        yield Batch(tuple(chosen), tuple(faults.values()))
+        yield tuple(chosen), tuple(faults[place] for place in sorted(faults))
 
 
 def _check_onset(fault: Fault, timing: Timing) -> None:
@@ -142,7 +167,7 @@ def run_batch(
     """
     import numpy as np
 
-    members = [injections[i].faults for i in batch.positions]
+    members = [injections[i] for i in batch.positions]
     lanes = 1 + len(members)
     state = _power_up(kernel, start, lanes)
     choose, present = schedule(kernel.faulted), _FaultLanes(kernel, members, found)
@@ -182,10 +207,11 @@ def _power_up(kernel: Kernel, start: Mapping[str, Any], lanes: int) -> list[Any]
 class _FaultLanes:
     """Masks and presences, an array for each of `kernel.faults`; at a step only the lanes that change are touched."""
 
-    def __init__(self, kernel: Kernel, members: Sequence[Sequence[Fault]], found: Plan) -> None:
+    def __init__(self, kernel: Kernel, members: Sequence[Injection], found: Plan) -> None:
         import numpy as np
 
         self.members, self.found, self.names = members, found, [str(t.attr) for t in kernel.faults]
+        self.built_in = [to_build_in(injection, found.masks) for injection in members]
         self.present = {identify(f): present_name(i) for i, f in enumerate(kernel.faulted.faults)}
         self.arrays: dict[str, Lanes] = {}
         self.passing: dict[str, Any] = {}
@@ -193,16 +219,17 @@ class _FaultLanes:
             self.passing[name] = term.sort.bounds[1] if name.endswith(KEEP) else 0
             self.arrays[name] = np.full(1 + len(members), self.passing[name], dtype=lane_type(term))
         self.events: dict[int, list[int]] = {0: list(range(1, 1 + len(members)))}
-        for lane, faults in enumerate(members, start=1):
-            for step in {step for fault in faults for step in _steps(fault)} - {0}:
+        for lane, injection in enumerate(members, start=1):
+            for step in {step for fault in injection.faults for step in _steps(fault)} - {0}:
                 self.events.setdefault(step, []).append(lane)
 
     def at(self, step: int) -> list[Lanes]:
         """The arrays from this step on; call it at each step of `events`, in order."""
         for lane in self.events[step]:
             whole: dict[str, Mask] = {}
-            for fault in self.members[lane - 1]:
-                if identify(fault) in self.present:
+            injection = self.members[lane - 1]
+            for place, fault in zip(injection.places, injection.faults, strict=True):
+                if place in self.built_in[lane - 1]:
                     self.arrays[self.present[identify(fault)]][lane] = True
                     continue
                 for point, mask in self.found.masks[identify(fault)].items():

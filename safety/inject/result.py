@@ -88,6 +88,11 @@ class Result:
         """Detected / injections that change the equipment at all."""
         return self._share(self.tally.classes["detected"], len(self.effective))
 
+    @property
+    def dangerous_undetected_of_all(self) -> Share | None:
+        """Dangerous undetected / all injections: how likely an injection drawn at random is one."""
+        return self._share(self.tally.dangerous_undetected, self.tally.injections)
+
     def _share(self, hits: int, of: int) -> Share | None:
         if self.interrupted:
             return None
@@ -143,6 +148,7 @@ class Result:
             "confidence": None if self.exhaustive else campaign.confidence,
             "detected_of_all": _json(self.detected_of_all),
             "detected_of_effective": _json(self.detected_of_effective),
+            "dangerous_undetected_of_all": _json(self.dangerous_undetected_of_all),
             "by_rate": self._by_rate(),
             "cells": self.tally.table,
             "groups": [{"group": name, "counts": tally.table} for name, tally in self.groups.items()],

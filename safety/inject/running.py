@@ -54,14 +54,14 @@ class _Kernels:
 
     def of(self, batch: Batch) -> Kernel:
         if batch.built_in:
-            return self._build([], batch)
+            return self._build(batch)
         if self.masked is None:
-            self.masked = self._build(self.points, batch)
+            self.masked = self._build(batch)
         return self.masked
 
-    def _build(self, points: Sequence[str], batch: Batch) -> Kernel:
+    def _build(self, batch: Batch) -> Kernel:
         wires = [observed(name) for name in self.campaign.observe]
-        return build_kernel(self.campaign.system, wires, points, batch.built_in, self.campaign.steps_per_frame)
+        return build_kernel(self.campaign.system, wires, self.points, batch.built_in, self.campaign.steps_per_frame)
 
 
 def _counts(campaign: Campaign, kernel: Kernel, batch: Batch, todo: Plan, tick: Callable[[int], None]) -> ByWire:

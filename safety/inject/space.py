@@ -17,7 +17,7 @@ from fractions import Fraction
 from math import comb
 from typing import Any
 
-from safety.faults import FROM_START, TRANSIENT, Fault, Kind, byzantine, every, expand, flip, stuck
+from safety.faults import ANY_TIME, FROM_START, TRANSIENT, Fault, Kind, byzantine, every, expand, flip, stuck
 from safety.system import ModelError, System, nearest
 
 Faults = Callable[[System], list[Fault]]
@@ -64,11 +64,12 @@ class Group:
 
 @dataclass(frozen=True)
 class Injection:
-    """One run to make: its id, the faults present, and the group it counts in."""
+    """One run to make: its id, the faults present, the group it counts in, and their places among all single faults."""
 
     id: str
     faults: tuple[Fault, ...]
     group: str
+    places: tuple[int, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -178,7 +179,7 @@ def enumerate_space(
         chosen = (_unrank(p, len(single), order) for p in positions)
         statement = f"{sample} of {population} {noun}, drawn with seed {seed}"
     return Space(
-        tuple(_injection([single[i] for i in c]) for c in chosen),
+        tuple(_injection([single[i] for i in c], c) for c in chosen),
         tuple(groups),
         population,
         statement,
@@ -197,12 +198,14 @@ def identify(fault: Fault) -> str:
     """A fault's name with its schedule: two faults of one name at different times are two."""
     if fault.onset == FROM_START:
         return fault.name
+    if fault.onset == ANY_TIME:
+        return f"{fault.name} from step {fault.at}"
     return f"{fault.name}, {fault.onset} at {fault.at}" + (f" for {fault.ticks}" if fault.ticks is not None else "")
 
 
-def _injection(members: Sequence[tuple[str, Fault]]) -> Injection:
+def _injection(members: Sequence[tuple[str, Fault]], places: tuple[int, ...]) -> Injection:
     group = " & ".join(dict.fromkeys(name for name, _ in members))
-    return Injection(" & ".join(identify(f) for _, f in members), tuple(f for _, f in members), group)
+    return Injection(" & ".join(identify(f) for _, f in members), tuple(f for _, f in members), group, places)
 
 
 def _unrank(position: int, n: int, order: int) -> tuple[int, ...]:

@@ -73,6 +73,7 @@ class Claim:
     role: str = "claim"
     anywhere: bool = False
     refinement: Any = None
+    steps_per_frame: int = 1
 
 
 _registry: dict[str, Claim] = {}
@@ -110,12 +111,14 @@ def claim(
     witness: Scenario | None = None,
     twin_of: Callable[..., Any] | None = None,
     anywhere: bool = False,
+    steps_per_frame: int = 1,
 ) -> Callable[[F], F]:
     """Declare a claim about a model.
 
     With `anywhere` it starts from every register content that `start` admits, not from power-up.  `given` holds at every step and `start` at power-up (both are shown as assumptions); `lemmas` are invariants of the
     registers, proved along with the claim and counted; `symbolic` parameters are left open in their range.  `steps`
-    bounds the search for counterexamples, `induction` the depth of induction.  `scenario` is a scripted
+    bounds the search for counterexamples, `induction` the depth of induction.  With `steps_per_frame` so many steps of
+    the model are one step of the claim: inputs are held, signals are those of the last.  `scenario` is a scripted
     counterexample, `witness` a run in which the premise happens.
     Raises `ModelError` for an unknown verdict, or a claim without a statement (docstring).
     """
@@ -131,6 +134,7 @@ def claim(
                 claim_id(formula), model, formula, statement, expect, requirement, source, faults, given, start,
                 tuple(lemmas), tuple(symbolic), dict(settings or {}), steps, induction, arithmetic, scenario, witness,
                 claim_id(twin_of) if twin_of else None, "twin" if twin_of else "claim", anywhere,
+                steps_per_frame=steps_per_frame,
             )
         )  # fmt: skip
         return formula

@@ -8,7 +8,7 @@ from typing import Any, cast
 
 from safety.faults import Fault, Faulted, instrument, within
 from safety.prove.claims import Claim, Formula, Seen, label, premise_of, watching
-from safety.system import ANY, ModelError, State, System
+from safety.system import ANY, ModelError, State, System, repeat
 from safety.terms import Bit
 from safety.terms.graph import BIT, Term, describe, postorder, variable, variables
 from safety.terms.values import all_of, bit
@@ -47,6 +47,8 @@ def build_problem(claim: Claim, settings: dict[str, Any] | None = None) -> Probl
         bare = replace(bare, states=tuple(replace(s, power_up=ANY) for s in bare.states))
     faults = claim.faults.expand(bare) if claim.faults else []
     faulted = instrument(bare, faults, present=None)
+    if claim.steps_per_frame > 1:
+        faulted = replace(faulted, system=repeat(faulted.system, claim.steps_per_frame))
     seen = Seen(faulted.system, faulted)
     registers: dict[Any, State] = {}
 

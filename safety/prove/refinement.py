@@ -11,7 +11,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, cast
 
-from safety.faults import Faulted
+from safety.faults import Budget, instrument, within
 from safety.model import Model
 from safety.prove.claims import BITS, Claim, F, Formula, Seen, claim_id, register
 from safety.prove.problem import Problem
@@ -47,11 +47,13 @@ def refines(
     source: str = "",
     search: int = 8,
     twin_of: Callable[..., Any] | None = None,
+    faults: Budget | None = None,
 ) -> Callable[[F], F]:
     """Declare that `lower` refines `upper`; the decorated function reads the upper registers from the lower ones.
 
     `at` says when the lower model stands at a frame boundary; `outputs` are compared after each frame (upper name to
     lower name, or one name for both).  Inputs have one name in both and are held during the frame.
+    `faults` are those of the lower model; the upper one is healthy.
     """
 
     def declare(read: F) -> F:
@@ -61,7 +63,7 @@ def refines(
         pairs = outputs if isinstance(outputs, Mapping) else {o: o for o in outputs}
         register(
             Claim(
-                claim_id(read), lower, read, statement, expect, requirement, source, None, None, None, (), (), {}, search, 1,
+                claim_id(read), lower, read, statement, expect, requirement, source, faults, None, None, (), (), {}, search, 1,
                 BITS, None, None, claim_id(twin_of) if twin_of else None, "twin" if twin_of else "refinement", False,
                 Refinement(upper, steps, read, at, pairs),
             )
@@ -74,7 +76,9 @@ def refines(
 def build_refinement(claim: Claim) -> Problem:
     """The two models side by side, one upper step a step, as a problem like any other."""
     wanted: Refinement = claim.refinement
-    frame = repeat(trace(claim.model), wanted.steps)
+    lower = trace(claim.model)
+    faulted = instrument(lower, claim.faults.expand(lower) if claim.faults else [], present=None)
+    frame = repeat(faulted.system, wanted.steps)
     upper = _renamed(trace(wanted.upper), frame)
     read = wanted.read(Seen(frame))
     registers = {s.path.removeprefix("spec."): s for s in upper.states}
@@ -90,10 +94,13 @@ def build_refinement(claim: Claim) -> Problem:
         signals={**frame.signals, **{f"spec.{k}": v for k, v in upper.signals.items()}},
         assumptions={**frame.assumptions, **upper.assumptions},
     )
-    start = all_of(frame.start, *(cast(Bit, read[n] == s.var) for n, s in registers.items() if s.power_up is ANY))
-    given = all_of(*(cast(Bit, a) for a in system.assumptions.values()))
-    lemmas = {"the words read from the ring are the words held": equal & aligned}
-    return Problem(claim, system, Faulted(system, (), (), (), ()), equal & aligned & same_outputs, bit(True), given, start, lemmas)
+    budget = within(claim.faults, faulted) if claim.faults else bit(True)
+    start = all_of(frame.start, budget, *(cast(Bit, read[n] == s.var) for n, s in registers.items() if s.power_up is ANY))
+    given = all_of(budget, *(cast(Bit, a) for a in system.assumptions.values()))
+    lemmas = {f"{name} as read is {name} as held": cast(Bit, read[name] == s.var) for name, s in registers.items()}
+    if wanted.at:
+        lemmas["a frame ends where one begins"] = aligned
+    return Problem(claim, system, replace(faulted, system=system), equal & aligned & same_outputs, bit(True), given, start, lemmas)
 
 
 def _outputs(wanted: Refinement, upper: System, frame: System) -> Mapping[str, str]:

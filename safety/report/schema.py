@@ -240,7 +240,7 @@ class Rate(TypedDict, total=False):
     unit: str | None
     method: str | None
     source: str | None
-    target: Number
+    target: Number | str  # a number, or in words: "at most 1e-9 /h"
     met: bool | None
     agree: bool | None  # False: two independent routes differ
     as_expected: bool

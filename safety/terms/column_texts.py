@@ -1,8 +1,8 @@
 """The text columns of the table: Python source on numbers, and on NumPy lanes.
 
 An entry takes the term and the texts of its arguments.  Lanes of a bit are bool, of a number int64, of a number beyond
-64 bits and of a real Python objects.  The text of a constant, or of a point that carries one, is a plain literal, so
-an entry calls `words`, `objects` or `wires` (int64, object, bool; see `safety.terms.texts`) wherever the type counts.
+64 bits and of a real Python objects; `words`, `objects` and `wires` (int64, object, bool) make them so.  A constant
+argument is a plain literal, beside one at least that is not: the generator computes what reads no input.
 """
 
 from __future__ import annotations

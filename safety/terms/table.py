@@ -100,7 +100,7 @@ OPERATIONS: dict[str, Operation] = {
     "not": Operation(
         direct=lambda t, x: not x,
         python=form("(not {0})"),
-        lanes=form("np.logical_not({0})"),
+        lanes=form("(~{0})"),
         integer=named("Not"),
         vector=named("Not"),
     ),

@@ -13,8 +13,8 @@ from collections.abc import Callable, Sequence
 from fractions import Fraction
 from typing import Any
 
-from safety.terms.graph import Term, TermError, describe, postorder
-from safety.terms.table import OPERATIONS, is_object
+from safety.terms.graph import Term, TermError, Value, describe, postorder
+from safety.terms.table import OPERATIONS, is_object, literal
 
 NESTING = 12  # expressions deeper than this get a name of their own; parsers limit nesting
 
@@ -22,11 +22,13 @@ NESTING = 12  # expressions deeper than this get a name of their own; parsers li
 def source(column: str, inputs: Sequence[Term], outputs: Sequence[Term], name: str = "step") -> str:
     """Source of a function from the inputs (variables, in order) to the tuple of outputs.
 
-    `column` is `python` or `lanes`.  Raises `TermError` for a variable that is not an input.
+    `column` is `python` or `lanes`.  What reads no input is computed here, once.  Raises `TermError` for a variable
+    that is not an input.
     """
     names = {term.uid: f"v{i}" for i, term in enumerate(inputs)}
     order = postorder(outputs, names)
     uses = Counter(t.uid for users in (*(t.args for t in order), outputs) for t in users)
+    fixed: dict[int, Value] = {}
     text = dict(names)
     depth = dict.fromkeys(names, 0)
     lines = [f"def {name}({', '.join(names[t.uid] for t in inputs)}):"]
@@ -35,32 +37,28 @@ def source(column: str, inputs: Sequence[Term], outputs: Sequence[Term], name: s
             raise TermError(
                 f"{describe(term)} is read but not bound: it belongs to another model or was created outside `step`"
             )
-        expression = getattr(OPERATIONS[term.op], column)(term, *(text[a.uid] for a in term.args))
-        level = 1 + max((depth[a.uid] for a in term.args), default=-1)
+        row, level = OPERATIONS[term.op], 0
+        if term.is_const:
+            fixed[term.uid], expression = term.attr, getattr(row, column)(term)
+        elif all(a.uid in fixed for a in term.args):
+            fixed[term.uid] = row.direct(term, *(fixed[a.uid] for a in term.args))
+            expression = literal(fixed[term.uid])
+        else:
+            expression = getattr(row, column)(term, *(text[a.uid] for a in term.args))
+            level = 1 + max(depth[a.uid] for a in term.args)
         if level > NESTING or (level and uses[term.uid] > 1 and not expression.isidentifier()):
             lines.append(f"    t{len(lines)} = {expression}")
             expression, level = f"t{len(lines) - 1}", 0
         text[term.uid], depth[term.uid] = expression, level
-    results = [text[t.uid] for t in outputs]
-    if column == "lanes" and inputs:
-        varying = _varying(order, set(names))
-        results = [r if t.uid in varying else _spread(r, t) for r, t in zip(results, outputs, strict=True)]
+    spread = column == "lanes" and inputs
+    results = (_in_every_lane(text[t.uid], t) if spread and t.uid in fixed else text[t.uid] for t in outputs)
     lines.append(f"    return ({''.join(r + ', ' for r in results)})")
     return "\n".join(lines) + "\n"
 
 
-def _varying(order: Sequence[Term], varying: set[int]) -> set[int]:
-    """The terms that read an input, of those in order and the inputs."""
-    for term in order:
-        if any(a.uid in varying for a in term.args):
-            varying.add(term.uid)
-    return varying
-
-
-def _spread(text: str, term: Term) -> str:
-    """A constant in every lane."""
+def _in_every_lane(constant: str, term: Term) -> str:
     kind = "bool" if term.sort.kind == "bit" else "object" if is_object(term.sort) else "np.int64"
-    return f"np.full(len(v0), {text}, {kind})"
+    return f"np.full(len(v0), {constant}, {kind})"
 
 
 def _compiled(text: str, name: str, environment: dict[str, Any]) -> Callable[..., tuple[Any, ...]]:

@@ -131,5 +131,5 @@ def at_least(k: int, *bits: Bit) -> Bit:
 def _wires(name: str, bits: tuple[Any, ...]) -> list[Bit]:
     for b in bits:
         if isinstance(b, list | tuple | set | frozenset):
-            raise TermError(f"{name}([{', '.join(map(show, b))}]): the bits are arguments of their own; write {name}(*bits)")
+            raise TermError(f"{name}([{', '.join(map(show, b))}]): the bits are arguments; write {name}(*bits)")
     return [cast(Bit, wire(b, f"{name}(..., {show(b)}, ...)")) for b in bits]

@@ -13,9 +13,10 @@ from typing import Any
 import msgspec
 import pytest
 
-from safety.faults import Fault, flip, stuck
+from safety.faults import Fault, flip
 from safety.inject import Campaign, CampaignError, Counts, Group, campaigns, stuck_bits, write_csv
 from safety.inject import classes as classes_module
+from safety.inject.lanes import MOST_BUILT_IN
 from safety.report.schema import Campaign as Entry
 from safety.report.standing import standing
 
@@ -196,13 +197,13 @@ def test_ctrl_c_keeps_the_batches_that_are_complete(campaign: Make) -> None:
     def stop(share: float, seconds: float) -> None:
         raise KeyboardInterrupt
 
-    kinds = [Fault(stuck(1), ["lit"]), Fault(frozen(), ["lit"])]  # one batch with masks, one built in
+    kinds = [Fault(frozen(), ["lit"], name=f"lamp {n}") for n in range(MOST_BUILT_IN + 1)]  # one more than a batch
     result = campaign(faults=kinds, expect={"safe": 0}).inject(stop)
     assert result.interrupted and not result.exhaustive
-    assert result.tally.injections == 1
-    assert "interrupted after 1 of 2 injections" in result.surprises()
+    assert result.tally.injections == MOST_BUILT_IN
+    assert f"interrupted after {MOST_BUILT_IN} of {MOST_BUILT_IN + 1} injections" in result.surprises()
     entry = result.to_json()
-    assert (entry["classes"]["dangerous_undetected"], entry["diagnostic_coverage"], entry["by_rate"]) == (1, None, None)
+    assert (entry["classes"]["safe"], entry["diagnostic_coverage"], entry["by_rate"]) == (MOST_BUILT_IN, None, None)
 
 
 def test_progress_ends_at_all(campaign: Make) -> None:

@@ -117,6 +117,24 @@ def test_the_masked_form_is_the_built_in_form(campaign: Make) -> None:
     assert lanes(masked) == lanes(other) == python(masked)
 
 
+def test_faults_at_one_point_act_in_their_order_whatever_the_sample(campaign: Make) -> None:
+    kinds = [missing(1), stuck(1), built_in(flip()), flip(), frozen()]
+    declared = campaign(faults=[Fault(kind, ["lit"], name=str(n)) for n, kind in enumerate(kinds)], order=2)
+    injections = declared.space.injections
+    for chosen in (injections, injections[::-1]):
+        vars(declared)["space"] = replace(declared.space, injections=chosen)
+        assert lanes(declared) == python(declared)
+
+
+def test_masked_and_built_in_faults_share_a_batch(campaign: Make) -> None:
+    declared = campaign(
+        faults=[Fault(stuck(1), ["lit"]), Fault(frozen(), ["still"]), Fault(stuck(0), ["alarm"])], order=2
+    )
+    todo = plan(declared.system, declared.space.injections, declared.timing)
+    assert [(len(b.positions), [str(f.kind) for f in b.built_in]) for b in todo.batches] == [(3, ["frozen"])]
+    assert lanes(declared) == python(declared)
+
+
 @pytest.mark.parametrize("seed", [8, 9])
 def test_frames_of_some_steps_count_the_same(campaign: Make, seed: int) -> None:
     declared = campaign(

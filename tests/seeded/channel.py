@@ -1,9 +1,9 @@
-"""Wrong speed-check channels: comparator, divider, limit, direction."""
+"""Wrong speed-check channels: comparator, divider, limit, direction, output."""
 
 from __future__ import annotations
 
 from models.ts7.channel import Channel, Demand
-from models.ts7.parts import Comparator, Divider
+from models.ts7.parts import Comparator, Divider, Drive
 from safety import U8, Bit, UInt, point, select
 
 
@@ -87,6 +87,14 @@ class SignedWord(Channel):
         return super().limit(select(word.bit(7), 0, word), lowered)
 
 
+class OffsetAtStop(Channel):
+    """A channel whose threshold errs upward permits a low speed without any signal."""
+
+    def limit(self, word: UInt, lowered: Bit) -> UInt:
+        own = (word + self.offset).sat(8)
+        return select(lowered, own.sat_sub(self.lowering), own)
+
+
 class WheelWordOfSevenBits(Channel):
     """The wheel word loses its highest bit: the speed is taken for a quarter of what it is."""
 
@@ -101,3 +109,11 @@ class RollsBackForward(Channel):
     def step(self, word: U8, wheel: U8, lowered: Bit, pulse: Bit, backward: Bit) -> tuple[RollsBackForward, Demand]:
         following, demand = super().step(word, wheel, lowered, pulse, backward | ~backward)
         return following, demand
+
+
+class StaticDrive(Drive):
+    """The output holds its level for "run": a relay without a transformer, which a stuck output keeps up."""
+
+    def step(self, run: Bit) -> tuple[StaticDrive, Bit]:
+        level = point("level", point("toggle", run))
+        return type(self)(level=level), level

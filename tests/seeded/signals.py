@@ -1,9 +1,9 @@
-"""Wrong selection of the signal when more than one line is active."""
+"""Wrong selection of the signal: more than one line active, or none."""
 
 from __future__ import annotations
 
 from models.ts7.signals import Lines, Selection
-from safety import UInt, select, word
+from safety import UInt, any_of, select, word
 
 
 class HighestSignal(Selection):
@@ -24,3 +24,10 @@ class LeastSignedWord(Selection):
         for line, datum in list(zip(lines, words, strict=True))[1:]:
             result = select(line & (datum ^ 128 < result ^ 128), datum, result)
         return result
+
+
+class NoLineIsNinety(Selection):
+    """Without an active line the word of 90 km/h is selected, not 0."""
+
+    def chosen(self, lines: Lines, words: tuple[UInt, ...]) -> UInt:
+        return select(any_of(*lines), super().chosen(lines, words), words[-1])

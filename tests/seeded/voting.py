@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from models.ts7.channel import Demand
 from models.ts7.power import Power
 from models.ts7.voting import (
     ChannelRelays,
     CommonPart,
+    Output,
     Relay,
     Synchronisation,
     Trio,
@@ -13,7 +15,7 @@ from models.ts7.voting import (
     disagree,
     outvoted,
 )
-from safety import Bit, any_of, at_least, bit, select
+from safety import Bit, any_of, at_least, bit, point, select
 
 
 class TwoOfTwo(CommonPart):
@@ -60,20 +62,48 @@ class EnergisedToBrake(Relay):
         return following, contact
 
 
-class StaysUpWithoutSupply(ChannelRelays):
-    """The relays of a channel stay up without supply."""
+class ChannelUpWithoutSupply(ChannelRelays):
+    """The relays of a channel stay up when its supply is lost."""
 
-    def step(self, drive: Bit, cut: Bit, supply: Bit) -> tuple[StaysUpWithoutSupply, Vote]:
-        following, vote = super().step(drive, cut, supply | ~supply)
-        return following, vote
+    def step(self, drive: Bit, cut: Bit, supply: Bit) -> tuple[ChannelUpWithoutSupply, Vote]:
+        fed = point("supply", supply)
+        chr_relay, in_service = self.chr_relay.step(~cut)
+        nbrr_relay, runs = self.nbrr_relay.step(in_service & drive & (fed | ~fed))
+        return type(self)(chr_relay=chr_relay, nbrr_relay=nbrr_relay), Vote(chr=in_service, nbrr=runs)
+
+
+class IsolatedRuns(ChannelRelays):
+    """The relay NBRR of an isolated channel follows its drive: it votes to run."""
+
+    def step(self, drive: Bit, cut: Bit, supply: Bit) -> tuple[IsolatedRuns, Vote]:
+        fed = point("supply", supply)
+        chr_relay, in_service = self.chr_relay.step(fed & ~cut)
+        nbrr_relay, runs = self.nbrr_relay.step(fed & drive)
+        return type(self)(chr_relay=chr_relay, nbrr_relay=nbrr_relay), Vote(chr=in_service, nbrr=runs)
+
+
+class UpWithoutSupply(CommonPart):
+    """No relay of the common part depends on the supply."""
+
+    def step(self, a: Demand, b: Demand, c: Demand, supply: Bit) -> tuple[UpWithoutSupply, Output]:
+        following, output = super().step(a, b, c, bit(True))
+        return following, output
 
 
 class SupplyFromNowhere(Power):
     """After the change-over there is supply, whether or not the motor-generator delivers."""
 
     def step(self, inverter: Bit, mg: Bit) -> tuple[SupplyFromNowhere, Bit]:
-        following, supply = super().step(inverter, mg | ~mg)
+        following, supply = super().step(inverter, mg | self.standby)
         return following, supply
+
+
+class IgnoresReports(Synchronisation):
+    """A channel that reports its own fault stays in service."""
+
+    def step(self, brakes: Trio, starts: Bit, faults: Trio, out_of_service: Bit) -> tuple[IgnoresReports, Trio]:
+        following, cut = super().step(brakes, starts, Trio(bit(False), bit(False), bit(False)), out_of_service)
+        return following, cut
 
 
 class IsolatesTheMajority(Synchronisation):

@@ -231,7 +231,7 @@ EDGES: dict[str, list[Any]] = {
     "implies": [implies(P, Q), implies(_fixed(True, BIT, "on"), Q)],
     "add": _pairs(lambda x, y: x + y),
     "sub": _pairs(lambda x, y: x - y),
-    "mul": _pairs(lambda x, y: x * y),
+    "mul": [*_pairs(lambda x, y: x * y), _fixed(3 * 2**60, uint(63), "a").low(62) * select(P, INT64, L)],
     "eq": [*_pairs(lambda x, y: x == y), P == Q],
     "lt": _pairs(lambda x, y: x < y),
     "le": _pairs(lambda x, y: x <= y),

@@ -224,8 +224,8 @@ PARTICULAR = [
         for row, s in (("add", "+"), ("sub", "-"), ("mul", "*"))
     ),
     Bug("select", "lanes", "floats", form("np.where({0}, {1}, {2})")),
-    Bug("not", "lanes", "inverts a number", form("(~{0})")),
-    Bug("implies", "lanes", "inverts a number", form("(~{0} | {1})")),
+    Bug("not", "lanes", "is for one value", form("(not {0})")),
+    Bug("implies", "lanes", "inverts the number of a literal", form("(~{0} | {1})")),
     Bug("bit", "lanes", "a number", form("({0} >> {attr} & 1)")),
     Bug("clip", "lanes", "overflows", lambda t, x: "np.minimum(np.maximum({}, {}), {})".format(x, *t.sort.bounds)),
     Bug("slice", "lanes", "overflows", python_slice),

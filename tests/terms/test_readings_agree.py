@@ -30,25 +30,25 @@ def examples(few: int, many: int) -> pytest.MarkDecorator:
     return pytest.mark.parametrize("examples", [few, pytest.param(many, marks=pytest.mark.slow)])
 
 
-@examples(300, 10_000)
+@examples(300, 5_000)
 @pytest.mark.parametrize("reading", TEXTS)
 def test_generated_readings_agree_on_words_and_integers(reading: str, examples: int) -> None:
     on(examples, graphs(), lambda graph: check(reading, *graph))
 
 
-@examples(100, 5_000)
+@examples(100, 3_000)
 @pytest.mark.parametrize("reading", TEXTS)
 def test_generated_readings_agree_on_reals(reading: str, examples: int) -> None:
     on(examples, graphs(reals=True), lambda graph: check(reading, *graph))
 
 
-@examples(60, 1_500)
+@examples(60, 1_000)
 @pytest.mark.parametrize("reading", [*INTEGERS, *VECTORS])
 def test_solver_readings_agree_on_words_and_integers(reading: str, examples: int) -> None:
     on(examples, graphs(lanes=2, largest=10), lambda graph: check(reading, *graph))
 
 
-@examples(40, 1_000)
+@examples(40, 600)
 @pytest.mark.parametrize("reading", INTEGERS)
 def test_integer_readings_agree_on_reals(reading: str, examples: int) -> None:
     on(examples, graphs(reals=True, lanes=2, largest=10), lambda graph: check(reading, *graph))

@@ -1,0 +1,64 @@
+from pathlib import Path
+
+import pytest
+
+from tests.commands.conftest import Run, document
+
+
+def test_a_counterexample_comes_out_again_without_a_solver(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    run("prove", "-q", "-k", "with_a_fault")
+    monkeypatch.setattr("safety.prove.solve.Solver.check", lambda self: pytest.fail("a solver was asked"))
+    called = run("replay", "counter.alarm_at_twelve_with_a_fault")
+    assert called.code == 0
+    assert "reproduced: counter.alarm_at_twelve_with_a_fault is false at step 12" in called.err
+    assert called.out.splitlines()[0].split()[0] == "step"
+
+
+def test_out_of_kept_results_as_json_and_waveform(run: Run, project: Path) -> None:
+    run("prove", "-q", "--json", "out.json")
+    (project / ".rightside/last.json").unlink()
+    words = ["--from", "out.json", "--json", "run.json", "--vcd", "run.vcd", "--show", "n,claim.*"]
+    assert run("replay", "counter.alarm_at_twelve_with_a_fault", *words).code == 0
+    assert document(project / "run.json")["steps"] == 13
+    assert "$enddefinitions" in (project / "run.vcd").read_text()
+
+
+def test_a_mended_model_does_not_reproduce(run: Run, project: Path) -> None:
+    run("prove", "-q")
+    path = project / "models/counter.py"
+    path.write_text(path.read_text().replace("alarm=point(", "alarm=(self.n >= 10) | point("))
+    called = run("replay", "counter.alarm_at_twelve_with_a_fault")
+    assert called.code == 1
+    assert "NOT reproduced" in called.err
+
+
+def test_a_cut_set_and_an_injection(run: Run, whole: Path) -> None:
+    run("verify")
+    called = run("replay", "counter_hazard.no_alarm#0", "--show", "n,alarm")
+    assert (called.code, called.err.count("reproduced: ")) == (0, 1)
+    assert "alarm.out stuck-at-0" in called.err
+    assert run("replay", "counter_hazard.no_alarm::seen stuck-at-0").code == 1  # the count stands still: no hazard
+    called = run("replay", "counter_stuck#2")
+    assert called.code == 0
+    assert "alarm.out stuck-at-0 is dangerous undetected" in called.err
+    assert run("replay", "counter_stuck::seen stuck-at-1").code == 0
+
+
+@pytest.mark.parametrize(
+    ("name", "said"),
+    [
+        ("counter.alarm_at_twelv", "did you mean counter.alarm_at_twelve"),
+        ("counter.alarm_at_twelve", "is proved: there is no run to show"),
+        ("counter.nothing_said", "has no result yet"),
+        ("counter_stuck", "write counter_stuck#0"),
+        ("counter_stuck#99", "numbered 0 to 3"),
+        ("counter_stuck::sen", "no injection 'sen'"),
+        ("counter_stuck#x", "a number follows #"),
+        ("counter_hazard.no_alarm", "`rightside tree -k counter_hazard.no_alarm` finds them"),
+    ],
+)
+def test_replay_says_what_is_wrong(run: Run, whole: Path, name: str, said: str) -> None:
+    run("prove", "-q", "-k", "alarm_at_twelve and not fault")
+    called = run("replay", name)
+    assert (called.code, called.out) == (2, "")
+    assert said in called.err

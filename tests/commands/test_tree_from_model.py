@@ -1,0 +1,111 @@
+"""Trees from cut sets: probability and bounds, also where the list of cut sets is not complete."""
+
+import math
+from collections.abc import Callable
+from fractions import Fraction
+from itertools import combinations
+from typing import Any
+
+import pytest
+
+from safety.faults import every, stuck
+from safety.model import Model, point, power_up
+from safety.prove.hazards import CANDIDATE, CONFIRMED, CutSet, CutSets, Hazard, hazard, hazards
+from safety.report.standing import standing
+from safety.terms import U1, Bit, all_of
+from safety.trees.from_model import beyond, completeness, tree_entry
+
+NAMES = [f"{wire} stuck-at-1" for wire in "abc"]
+RATES = dict(zip(NAMES, ("1e-4", "2e-4", "3e-4"), strict=True))
+CHANCES = {name: -math.expm1(-float(rate) * 100) for name, rate in RATES.items()}
+
+
+class Wires(Model, tick_s="1"):
+    """Three wires."""
+
+    n: U1 = power_up(0)
+
+    def step(self, x: Bit) -> tuple["Wires", Bit]:
+        return Wires(n=self.n), all_of(*(point(wire, x) for wire in "abc"))
+
+
+@pytest.fixture
+def declare(monkeypatch: pytest.MonkeyPatch) -> Callable[..., Hazard]:
+    monkeypatch.setattr("safety.prove.hazards._registry", {})
+
+    def make(**more: Any) -> Hazard:
+        rates = {name: (rate, "[A] guess") for name, rate in RATES.items()}
+
+        @hazard(
+            Wires,
+            faults=every(stuck(1), *"abc"),
+            scenarios=lambda names: [],
+            **({"rates": rates, "hours": "100"} | more),
+        )
+        def all_high(s: Any) -> Bit:
+            """All wires are high."""
+            return s.out
+
+        return hazards()[0]
+
+    return make
+
+
+def found(*sets: str, complete_to: int = 3, all_orders: bool = True, status: str = CONFIRMED, why: str = "") -> CutSets:
+    return CutSets(
+        "x.all_high",
+        [CutSet(tuple(f"{wire} stuck-at-1" for wire in one), status) for one in sets],
+        complete_to,
+        all_orders,
+        why,
+    )
+
+
+def test_a_complete_list_gives_the_probability_with_narrow_bounds(declare: Callable[..., Hazard]) -> None:
+    entry = tree_entry(found("a", "bc"), declare())
+    a, b, c = CHANCES.values()
+    assert entry["probability"] == pytest.approx(a + (1 - a) * b * c, rel=1e-14)
+    assert entry["probability_high"] - entry["probability_low"] < 1e-14
+    assert entry["completeness"] == "complete at all orders"
+    assert standing("trees", entry).code == 0
+
+
+def test_missing_orders_widen_the_upper_bound_to_what_they_could_add(declare: Callable[..., Hazard]) -> None:
+    entry = tree_entry(found("a", complete_to=1, all_orders=False), declare())
+    a, b, c = CHANCES.values()
+    true_at_most = 1 - (1 - a) * (1 - b * c)
+    assert entry["probability"] is None
+    assert entry["probability_low"] <= a <= true_at_most <= entry["probability_high"] < a + 0.0012
+    assert entry["completeness"] == "complete up to 1 faults at once, larger sets may exist"
+
+
+def test_an_unfinished_list_has_no_upper_bound_and_is_undecided(declare: Callable[..., Hazard]) -> None:
+    unfinished = found("a", complete_to=-1, all_orders=False, why="the solver gave no answer at order 0")
+    entry = tree_entry(unfinished, declare())
+    assert (entry["probability"], entry["probability_high"]) == (None, None)
+    assert standing("trees", entry).code == 3
+    assert completeness(unfinished) == "not complete: the solver gave no answer at order 0"
+
+
+def test_a_fault_without_rate_leaves_the_probability_unknown(declare: Callable[..., Hazard]) -> None:
+    entry = tree_entry(found("a", "b"), declare(rates={NAMES[0]: ("1e-4", "[P] handbook")}))
+    assert (entry["probability"], entry["probability_low"], entry["probability_high"]) == (None, None, None)
+    assert [event.get("source") for event in entry["structure"]["basic_events"]] == ["P", None]
+
+
+def test_candidates_are_counted_and_marked(declare: Callable[..., Hazard]) -> None:
+    entry = tree_entry(found("a", "bc", status=CANDIDATE), declare(expect={1: 1, 2: 1}))
+    assert (entry["confirmed"], entry["candidate"]) == ({}, {1: 1, 2: 1})
+    assert {one["status"] for one in entry["minimal_cut_sets"]["sets"]} == {CANDIDATE}
+    assert entry["as_expected"]
+
+
+def test_no_cut_set_is_probability_0(declare: Callable[..., Hazard]) -> None:
+    entry = tree_entry(found(), declare())
+    assert (entry["probability"], entry["minimal_cut_sets"]["count"]) == (0.0, 0)
+
+
+@pytest.mark.parametrize("order", [1, 2, 3, 4])
+def test_what_lies_beyond_is_the_sum_over_all_sets_of_that_order(order: int) -> None:
+    rates = [Fraction(1, 10), Fraction(1, 5), Fraction(1, 4)]
+    assert beyond(rates, order) == sum((math.prod(one) for one in combinations(rates, order)), Fraction(0))
