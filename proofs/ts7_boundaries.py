@@ -35,7 +35,7 @@ from safety import (
     stuck,
 )
 
-# --- lowering ----------------------------------------------------------------------------------------------------------
+# --- lowering --------------------------------------------------------------------------------------------------------
 
 A_BRAKES_FIRST = too_fast(0, 3000, start={"a.offset": -4})
 
@@ -56,7 +56,7 @@ def no_channel_is_lowered(s: Seen) -> Bit:
     return all_of(*(~s[n].lowered for n in CHANNELS))
 
 
-# --- a channel that finds itself faulty --------------------------------------------------------------------------------
+# --- a channel that finds itself faulty ------------------------------------------------------------------------------
 
 ISOLATED = 2 * RELEASE + 2  # frames from the channel's report to its vote: latch, CHR, NBRR
 
@@ -97,7 +97,7 @@ def a_channel_that_reports_its_fault_is_isolated_a_frame_earlier(s: Seen) -> Bit
     return isolated_after(s, ISOLATED - 1)
 
 
-# --- the AC drive ------------------------------------------------------------------------------------------------------
+# --- the AC drive ----------------------------------------------------------------------------------------------------
 
 STANDS = [Fault(stuck(value), ["a.output.level"], ANY_TIME, name=f"output stands at {value}") for value in (0, 1)]
 OSCILLATES = Fault(stuck(1), ["a.output.toggle"], ANY_TIME, name="output oscillates")

@@ -11,6 +11,7 @@ and what is proved are the same fault.  No second, faulty copy of a model exists
 
 from __future__ import annotations
 
+import functools
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -183,9 +184,10 @@ class Faulted:
         """Names of the inputs that are the faults' free choices."""
         return [name for name in self.system.inputs if _FREE.match(name)]
 
-    def points(self, index: int) -> list[str]:
-        """Full names of the points at which a fault acts."""
-        return matching(self.system, self.faults[index].points)
+    @functools.cached_property
+    def where(self) -> list[list[str]]:
+        """Full names of the points at which each fault acts."""
+        return [matching(self.system, fault.points) for fault in self.faults]
 
 
 _FREE = re.compile(rf"{PREFIX}\d+\.")  # a part of such a name would clash with the registers of a fault
@@ -284,7 +286,7 @@ def within(budget: Budget, faulted: Faulted) -> Bit:
 
 def any_active(faulted: Faulted, prefix: str = "") -> Bit:
     """Whether a fault of those whose points all lie under a prefix acts now."""
-    inside = [all(p.startswith(prefix) for p in faulted.points(i)) for i in range(len(faulted.faults))]
+    inside = [all(p.startswith(prefix) for p in points) for points in faulted.where]
     return any_of(*(a for a, own in zip(faulted.active, inside, strict=True) if own))
 
 

@@ -34,7 +34,9 @@ class Model:
 
     _clock: typing.ClassVar[Clock | None] = None
     _locals: typing.ClassVar[Mapping[str, Any]] = {}
-    _path: typing.ClassVar[str | None] = None  # full name with a dot at the end; known to the parts that a trace has made
+    _path: typing.ClassVar[str | None] = (
+        None  # full name with a dot at the end; known to the parts that a trace has made
+    )
     _old = False  # whether it is the part before its step
 
     def __init_subclass__(cls, *, tick_s: float | str | Fraction | None = None, event: str | None = None) -> None:
@@ -143,16 +145,16 @@ def _in_its_place(cls: type[Model], name: str, part: Model) -> None:
 
 def registers(cls: type[Model]) -> dict[str, tuple[Sort, PowerUpValue]]:
     """Sort and power-up value of each register of a model class, in order."""
-    return _shape(cls)[0]
+    return _shape(cast(Any, cls))[0]
 
 
 def parts(cls: type[Model]) -> dict[str, type[Model]]:
     """Model class of each part of a model class, in order."""
-    return _shape(cls)[1]
+    return _shape(cast(Any, cls))[1]
 
 
 @functools.cache
-def _shape(cls: type[Model]) -> tuple[dict[str, tuple[Sort, PowerUpValue]], dict[str, type[Model]]]:
+def _shape(cls: Any) -> tuple[dict[str, tuple[Sort, PowerUpValue]], dict[str, type[Model]]]:
     found: dict[str, tuple[Sort, PowerUpValue]] = {}
     inner: dict[str, type[Model]] = {}
     for name, annotation in hints(cls, cls).items():

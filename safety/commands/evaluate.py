@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from safety.prove.claims import Claim
     from safety.rates.claims import Rate
 
+SCRIPTED = "scripted scenario"
 Entry = dict[str, Any]
 Named = TypeVar("Named", "Claim", "Campaign", "Hazard", "Rate")
 Note = Callable[[str], None]
@@ -111,7 +112,8 @@ def _claim(project: Project, item: Item, order: Order, note: Note) -> Answer:
     entry, trace = claim_entry(outcome), outcome.counterexample
     if trace is None:
         return Answer(item, entry)
-    entry["counterexample"] |= {"stimulus": stimulus(trace), "vcd": None}
+    given = None if outcome.method.startswith(SCRIPTED) else stimulus(trace)  # a script stands in the proof file
+    entry["counterexample"] |= {"stimulus": given, "vcd": None}
     return Answer(item, entry, vcd=trace.vcd() if order.vcd else "")
 
 

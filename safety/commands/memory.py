@@ -6,11 +6,13 @@ good enough to choose what to run first, not good enough for a report.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from pathlib import Path
 
+from safety.commands.selection import Item
 from safety.report.results import Results, ResultsError, load, merge, save, write_text
-from safety.report.schema import JUDGED
+from safety.report.schema import JUDGED, Entry
 
 FOLDER, FILE = ".rightside", "last.json"
 
@@ -40,6 +42,21 @@ def keep(root: Path, results: Results, whole: Sequence[str]) -> str:
     except OSError as error:
         return f"the results could not be kept for --lf, replay and report: {folder}: {error.strerror}"
     return ""
+
+
+def longest_first(root: Path, items: Sequence[Item]) -> list[Item]:
+    """The items as they best keep several workers busy to the end: by the time they took, new ones first."""
+    results = last(root)
+    took = {(section, entry["id"]): _seconds(entry) for section in JUDGED for entry in results.get(section, ())}
+    return sorted(items, key=lambda item: -took.get((item.section, item.id), math.inf))
+
+
+def _seconds(entry: Entry) -> float:
+    """What an entry took, to the second: shorter ones stay in the order in which they are declared."""
+    seconds = entry.get("seconds")
+    if isinstance(seconds, dict):
+        seconds = seconds.get("total")
+    return float(round(seconds)) if isinstance(seconds, int | float) else 0.0
 
 
 def outdated(results: Results) -> int:

@@ -123,12 +123,17 @@ def _claim(project: Project, name: str, recorded: Recorded) -> Replayed:
     if not counterexample:
         verdict = f"is {recorded.entry['verdict']}" if recorded.entry else "has no result yet"
         raise CommandError(f"{name} {verdict}: there is no run to show; `rightside prove -k {name}` looks for one")
-    if "stimulus" not in counterexample:
-        raise CommandError(f"{name}: these results do not say what its run was given; `rightside prove -k {name}` does")
     claim = find(project.claims, name)
+    given = counterexample.get("stimulus")
+    if given is None and claim.scenario is None:
+        raise CommandError(f"{name}: these results do not say what its run was given; `rightside prove -k {name}` does")
     settings = fitting(claim.model, recorded.settings)
     problem = build_refinement(claim) if claim.refinement is not None else build_problem(claim, settings)
-    trace = rerun(observed(problem), counterexample["stimulus"], counterexample["steps"])
+    if given is not None:
+        trace = rerun(observed(problem), given, counterexample["steps"])
+    else:
+        script = search.scripted(problem, claim.scenario)
+        trace = search.cut_at(script, "claim.holds", False) or script
     same = not trace["claim.holds"][-1] and all(trace["claim.given"])
     how = "false" if not trace["claim.holds"][-1] else "true"
     return Replayed(trace, same, f"{name} is {how} at step {len(trace) - 1}", story(trace, problem))

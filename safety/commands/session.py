@@ -74,7 +74,8 @@ class Session:
     def _gather(self, workers: Workers, screen: Screen) -> None:
         width = max((len(item.id) for item in self.chosen), default=0)
         saved, done = time.monotonic(), 0
-        with closing(workers.run(self.chosen)) as events:
+        order = self.chosen if self.args.first else memory.longest_first(self.project.root, self.chosen)
+        with closing(workers.run(order)) as events:
             for event in events:
                 if event.item is not None:
                     self.notes[event.item.id] = event.note

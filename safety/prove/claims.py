@@ -10,7 +10,6 @@ A claim that must fail says so (`expect=REFUTED`); one that does not fail then i
 
 from __future__ import annotations
 
-import functools
 from collections.abc import Callable, Mapping, Sequence
 from contextvars import ContextVar
 from dataclasses import dataclass, field
@@ -18,10 +17,10 @@ from typing import Any, TypeVar, cast
 
 from safety.faults import Budget, Faulted
 from safety.model import Model
-from safety.system import ModelError, State, System, nearest
+from safety.system import OUTPUT, ModelError, State, System, nearest
 from safety.terms import Bit, Term, UInt, select
-from safety.terms.graph import BIT, uint, variable
-from safety.terms.values import any_of, build, const
+from safety.terms.graph import BIT, describe, uint, variable
+from safety.terms.values import any_of, bit, const
 
 PROVED, BOUNDED, VACUOUS, REFUTED, UNDECIDED = "proved", "bounded", "vacuous", "refuted", "undecided"
 VERDICTS = (PROVED, BOUNDED, VACUOUS, REFUTED, UNDECIDED)
@@ -85,10 +84,18 @@ def registered() -> list[Claim]:
 
 
 def register(new: Claim) -> None:
-    """Add a claim; raises `ModelError` when the id is taken by another function."""
+    """Add a claim; raises `ModelError` when the id is taken by another function.
+
+    A file that is read again (its functions have new globals, or stand where they stood) replaces its claims.
+    """
     old = _registry.get(new.id)
-    if old is not None and old.formula.__code__.co_filename != new.formula.__code__.co_filename:
-        raise ModelError(f"two claims are called {new.id!r}; rename one")
+    if old is not None and old.formula is not new.formula:
+        a, b = old.formula, new.formula
+        again = a.__code__.co_filename == b.__code__.co_filename and (
+            a.__code__.co_firstlineno == b.__code__.co_firstlineno or a.__globals__ is not b.__globals__
+        )
+        if not again:
+            raise ModelError(f"two claims are called {new.id!r}; rename one")
     _registry[new.id] = new
 
 
@@ -115,13 +122,24 @@ def claim(
 ) -> Callable[[F], F]:
     """Declare a claim about a model.
 
-    With `anywhere` it starts from every register content that `start` admits, not from power-up.  `given` holds at every step and `start` at power-up (both are shown as assumptions); `lemmas` are invariants of the
+    `given` holds at every step and `start` at power-up (both are shown as assumptions); with `anywhere` the claim
+    starts from every register content that `start` admits, not from power-up.  `lemmas` are invariants of the
     registers, proved along with the claim and counted; `symbolic` parameters are left open in their range.  `steps`
     bounds the search for counterexamples, `induction` the depth of induction.  With `steps_per_frame` so many steps of
     the model are one step of the claim: inputs are held, signals are those of the last.  `scenario` is a scripted
     counterexample, `witness` a run in which the premise happens.
-    Raises `ModelError` for an unknown verdict, or a claim without a statement (docstring).
+    Raises `ModelError` for an unknown verdict or arithmetic, a bound below what it can be, or a claim without a
+    statement (docstring).
     """
+    if arithmetic not in (INTEGERS, BITS):
+        raise ModelError(f"arithmetic={arithmetic!r}; it is INTEGERS or BITS")
+    for name, value, least in (
+        ("steps", steps, 1),
+        ("induction", induction, 0),
+        ("steps_per_frame", steps_per_frame, 1),
+    ):
+        if type(value) is not int or value < least:
+            raise ModelError(f"{name}={value!r}; it is a whole number from {least} up")
     if expect not in VERDICTS:
         raise ModelError(f"expect={expect!r}; it is one of {', '.join(VERDICTS)}")
 
@@ -164,6 +182,10 @@ class Seen:
     def __getitem__(self, name: str) -> Any:
         path = self._prefix + name
         names = self._system.names()
+        if path + OUTPUT in names:
+            raise ModelError(
+                f"{self._system.name} has an input and an output {path!r}; write s[{path + OUTPUT!r}] for the output"
+            )
         if path in names:
             return self._system.lookup(path)
         if any(n.startswith(path + ".") for n in names):
@@ -175,11 +197,17 @@ class Seen:
 
 
 def faulty(s: Seen, part: str = "") -> Bit:
-    """Whether a fault whose points lie in a part (or any fault) is in the equipment, now or later."""
+    """Whether a fault that acts in a part (or anywhere in what `s` shows) is in the equipment, now or later.
+
+    Raises `ModelError` for a part that does not exist.
+    """
     found = _faulted(s)
-    prefix = f"{s._prefix}{part}."
-    chosen = zip(found.faults, found.present, strict=True)
-    return any_of(*(b for f, b in chosen if not part or any(p.startswith(prefix) for p in f.points)))
+    prefix = f"{s._prefix}{part}." if part else s._prefix
+    if not any(path.startswith(prefix) for path in s._system.names()):
+        raise ModelError(f"{s._system.name} has no part {prefix[:-1]!r}; {nearest(prefix[:-1], s._system.parts)}")
+    return any_of(
+        *(b for b, at in zip(found.present, found.where, strict=True) if any(p.startswith(prefix) for p in at))
+    )
 
 
 def has(s: Seen, *names: str) -> Bit:
@@ -237,8 +265,14 @@ def _register(key: Any, make: Callable[[str], State]) -> Term:
     return registers[key].var
 
 
+def _up_to(name: str, upto: int) -> None:
+    if type(upto) is not int or upto < 1:
+        raise ModelError(f"{name}(..., {upto!r}): a number of steps or units is a whole number from 1 up")
+
+
 def age(condition: Bit, upto: int) -> UInt:
     """For how many steps just before this one the condition held without a break, counted up to `upto`."""
+    _up_to("age", upto)
     width = upto.bit_length()
 
     def make(name: str) -> State:
@@ -251,6 +285,7 @@ def age(condition: Bit, upto: int) -> UInt:
 
 def persists(condition: Bit, ticks: int) -> Bit:
     """Whether the condition has held at this step and the ones before, `ticks` steps in all."""
+    _up_to("persists", ticks)
     return condition & (age(condition, ticks) >= ticks - 1)
 
 
@@ -265,16 +300,23 @@ def once(condition: Bit) -> Bit:
 
 
 def previous(term: Any, initially: Any) -> Any:
-    """The value of one step before; `initially` at the first."""
+    """The value of one step before; `initially` at the first, `ModelError` unless that is a value of its sort."""
+    if isinstance(initially, Term) and initially.is_const:
+        initially = initially.attr
+    if isinstance(initially, Term) or not term.sort.admits(initially):
+        raise ModelError(
+            f"previous({describe(term)}, {initially!r}): before the first step it is a value of {term.sort}"
+        )
 
     def make(name: str) -> State:
         return State(variable(name, term.sort), term, initially)
 
-    return _register(("previous", term.uid, initially), make)
+    return _register(("previous", term.uid, type(initially), initially), make)
 
 
 def total(term: UInt, upto: int) -> UInt:
     """The sum of a word over all steps before this one, counted up to `upto`."""
+    _up_to("total", upto)
     width = upto.bit_length()
 
     def make(name: str) -> State:
@@ -290,16 +332,21 @@ def const_like(value: int, width: int) -> UInt:
     return cast(UInt, const(value, uint(width)))
 
 
-def premise_of(holds: Bit) -> Bit:
-    """The premise of an implication (of each, in a conjunction of implications); true for any other formula."""
+def premises_of(holds: Bit) -> list[Bit]:
+    """What has to happen for a formula to say anything: the premise of each implication in a conjunction.
+
+    Where the conclusion is an implication too, both premises have to happen at once.  `true` for any other formula.
+    """
     if holds.op == "implies":
-        return cast(Bit, holds.args[0])
+        premise, conclusion = (cast(Bit, a) for a in holds.args)
+        return [premise if inner.is_const and inner.attr else premise & inner for inner in premises_of(conclusion)]
     if holds.op == "and":
-        return cast(Bit, build("and", (premise_of(cast(Bit, holds.args[0])), premise_of(cast(Bit, holds.args[1]))), None, BIT))
-    return cast(Bit, const(True, BIT))
+        parts = [p for side in holds.args for p in premises_of(cast(Bit, side))]
+        asking = [p for p in parts if not (p.is_const and p.attr)]
+        return list({p.uid: p for p in asking}.values()) or [bit(True)]
+    return [bit(True)]
 
 
-@functools.cache
 def label(formula: Formula) -> str:
     """The name a formula is shown by."""
     return getattr(formula, "__name__", "formula").replace("_", " ")

@@ -8,13 +8,13 @@
 The lemmas are proved once for every combination of faults.  Sets of faults are then enumerated by rising number: each
 set that the lemmas allow is run on the Python reading (confirmed) or stays a candidate; when no further set is allowed
 at an order, the list is complete there, and one more question asks for sets of any order.  Lemmas that are too weak
-can only add candidates, never lose a cut set.
+can only add candidates, never lose a cut set: a candidate stands for every set that contains it.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from safety.faults import any_of_faults
@@ -24,8 +24,9 @@ from safety.prove.claims import INTEGERS, PROVED, Claim, F, Formula, Scenario, c
 from safety.prove.induction import lemma_obligations
 from safety.prove.problem import Problem, build_problem
 from safety.prove.prove import Limits
-from safety.prove.solve import SAT, UNKNOWN, Solver, Unrolling
+from safety.prove.solve import SAT, UNKNOWN, UNSAT, Disagreement, Solver, Unrolling
 from safety.system import ModelError
+from safety.terms import bit
 from safety.trace import Trace
 
 CONFIRMED, CANDIDATE = "confirmed", "candidate"
@@ -48,13 +49,17 @@ class CutSet:
 
 @dataclass
 class CutSets:
-    """All minimal cut sets up to `complete_to` faults; `all_orders` when no further one of any order exists."""
+    """All minimal cut sets up to `complete_to` faults; `all_orders` when no further one of any order exists.
+
+    `agreed_by` names the solvers that confirm that the list is complete.
+    """
 
     id: str
     sets: list[CutSet]
     complete_to: int
     all_orders: bool
     why: str = ""
+    agreed_by: list[str] = field(default_factory=list)
 
     def by_order(self, status: str | None = None) -> dict[int, int]:
         """Number of sets of each order."""
@@ -83,6 +88,7 @@ class Hazard:
 
 
 _registry: dict[str, Hazard] = {}
+_formulas: dict[str, Formula] = {}
 
 
 def hazards() -> list[Hazard]:
@@ -122,65 +128,124 @@ def hazard(
             return ~formula(seen)
 
         inner = Claim(
-            claim_id(formula), model, never, statement, PROVED, requirement, source, any_of_faults(faults), given, start,
-            tuple(lemmas), tuple(symbolic), dict(settings or {}), 1, 0, INTEGERS, None, None, None, "hazard",
+            claim_id(formula), model, never, statement, PROVED, requirement, source, any_of_faults(faults), given,
+            start, tuple(lemmas), tuple(symbolic), dict(settings or {}), 1, 0, INTEGERS, None, None, None, "hazard",
         )  # fmt: skip
-        _registry[inner.id] = Hazard(inner, scenarios, most, dict(rates or {}), hours, dict(expect or {}))
+        _register(Hazard(inner, scenarios, most, dict(rates or {}), hours, dict(expect or {})), formula)
         return formula
 
     return declare
 
 
+def _register(new: Hazard, formula: Formula) -> None:
+    """Add a hazard; raises `ModelError` when another function of the same file, or a claim, has its id."""
+    old = _formulas.get(new.id)
+    twice = old is not None and old.__globals__ is formula.__globals__
+    if twice and old is not None and old.__code__.co_firstlineno != formula.__code__.co_firstlineno:
+        raise ModelError(f"two hazards are called {new.id!r}; rename one")
+    _registry[new.id], _formulas[new.id] = new, formula
+
+
 def cut_sets(hazard: Hazard, limits: Limits | None = None, progress: Callable[[str], None] | None = None) -> CutSets:
-    """Enumerate the minimal cut sets.  Raises `ModelError` when a lemma does not hold under all faults."""
+    """Enumerate the minimal cut sets.
+
+    Raises `ModelError` when a lemma does not hold under all faults, or when the assumptions admit no run at all.
+    """
     limits, say = limits or Limits(), progress or (lambda _: None)
     problem = build_problem(hazard.claim)
+    if search.bounded(problem, bit(True), 1, True, limits.timeout).run is None:
+        raise ModelError(
+            f"{hazard.id}: no run could be started: the assumptions contradict one another, or no answer came"
+        )
     answer = lemma_obligations(problem, True, limits.timeout, limits.solvers)
     if answer.failed:
-        raise ModelError(f"{hazard.id}: {answer.failed}: not shown for every combination of faults; guard the lemma by the faults that break it")
-    names = [f.name for f in problem.faults]
-    unrolling = Unrolling(problem.system, "z3", True, anywhere=True)
-    k, solver = unrolling.k, Solver("z3", unrolling.k, limits.timeout)
-    solver.add(*unrolling.at(0, [*problem.lemmas.values(), problem.given]), k.Not(unrolling.at(0, [problem.holds])[0]))
-    present = unrolling.at(0, problem.faulted.present)
-    solver.add_ranges(unrolling)
+        raise ModelError(
+            f"{hazard.id}: {answer.failed}: not shown for every combination of faults; "
+            "guard the lemma by the faults that break it"
+        )
+    question = _Question(problem, "z3", limits.timeout)
     result = CutSets(hazard.id, [], -1, False)
     for order in range(hazard.most + 1):
-        if not _order(hazard, problem, solver, k, present, names, order, result):
+        if not _order(hazard, question, order, result):
             return result
         result.complete_to = order
         say(f"{hazard.id}: order {order} complete, {len(result.sets)} cut sets so far")
-    result.all_orders = solver.check() not in (SAT, UNKNOWN)
+    result.all_orders = question.solver.check() == UNSAT
+    result.agreed_by = [name for name in answer.agreed_by if name == "z3" or _confirms(problem, result, name, limits)]
     return result
 
 
-def _order(hazard: Hazard, problem: Problem, solver: Solver, k: Any, present: list[Any], names: list[str], order: int, result: CutSets) -> bool:
+class _Question:
+    """The hazard at a state that the lemmas allow, with the sets of faults found so far and all above them excluded."""
+
+    def __init__(self, problem: Problem, solver: str, timeout: float) -> None:
+        self.problem = problem
+        unrolling = Unrolling(problem.system, solver, True, anywhere=True)
+        self.k, self.solver = unrolling.k, Solver(solver, unrolling.k, timeout)
+        self.solver.add(*unrolling.at(0, [*problem.lemmas.values(), problem.given]))
+        self.solver.add(self.k.Not(unrolling.at(0, [problem.holds])[0]))
+        names = [f.name for f in problem.faults]
+        self.present = dict(zip(names, unrolling.at(0, problem.faulted.present), strict=True))
+        self.solver.add_ranges(unrolling)
+
+    def limit(self, order: int) -> None:
+        """At most so many faults."""
+        ones = [self.k.If(p, self.k.IntVal(1), self.k.IntVal(0)) for p in self.present.values()]
+        self.solver.add(sum(ones, self.k.IntVal(0)) <= order)
+
+    def exclude(self, chosen: tuple[str, ...]) -> None:
+        """Neither these faults together nor more than these."""
+        absent = [self.k.Not(self.present[name]) for name in chosen]
+        self.solver.add(self.k.Or(*absent) if len(absent) > 1 else absent[0] if absent else self.k.BoolVal(False))
+
+    def chosen(self) -> tuple[str, ...]:
+        """The faults of the last answer."""
+        model = self.solver.model()
+        return tuple(name for name, p in self.present.items() if bool(model.eval(p, model_completion=True)))
+
+
+def _order(hazard: Hazard, question: _Question, order: int, result: CutSets) -> bool:
     """All further cut sets of one order; false when the solver gave up."""
-    solver.push()
-    solver.add(k.AtMost(*present, order))
+    question.solver.push()
+    question.limit(order)
     found: list[CutSet] = []
-    while (answer := solver.check()) == SAT:
-        model = solver.model()
-        chosen = tuple(n for n, p in zip(names, present, strict=True) if bool(model.eval(p, model_completion=True)))
-        found.append(_replayed(hazard, problem, chosen))
-        solver.add(_block(k, present, names, chosen))
-    solver.pop()
+    while (answer := question.solver.check()) == SAT:
+        chosen = question.chosen()
+        found.append(_replayed(hazard, question.problem, chosen))
+        question.exclude(chosen)
+    question.solver.pop()
     for one in sorted(found, key=lambda c: c.faults):
         result.sets.append(one)
-        solver.add(_block(k, present, names, one.faults))
+        question.exclude(one.faults)
     if answer == UNKNOWN:
-        result.why = f"the solver gave no answer at order {order}"
+        result.why = f"the solver gave no answer at order {order}: {question.solver.why}"
     return answer != UNKNOWN
 
 
-def _block(k: Any, present: list[Any], names: list[str], chosen: tuple[str, ...]) -> Any:
-    return k.Or(*(k.Not(p) for n, p in zip(names, present, strict=True) if n in chosen)) if chosen else k.BoolVal(False)
+def _confirms(problem: Problem, result: CutSets, name: str, limits: Limits) -> bool:
+    """Whether another solver finds no further set either, of the orders that the list is said to be complete at.
+
+    Raises `Disagreement` when it finds one.
+    """
+    try:
+        question = _Question(problem, name, limits.timeout)
+        for one in result.sets:
+            question.exclude(one.faults)
+        if not result.all_orders:
+            question.limit(result.complete_to)
+        answer = question.solver.check()
+    except Exception:  # missing or broken down: it confirms nothing
+        return False
+    if answer == SAT:
+        raise Disagreement(f"{result.id}: {name} finds one more cut set, z3 does not")
+    return answer == UNSAT
 
 
 def _replayed(hazard: Hazard, problem: Problem, chosen: tuple[str, ...]) -> CutSet:
-    """Run the scenarios with these faults in the equipment, on the Python reading."""
+    """Run the scenarios with exactly these faults in the equipment, on the Python reading."""
     equipped = search.with_faults(problem, chosen)
-    for script in hazard.scenarios(chosen):
+    for given in hazard.scenarios(chosen):
+        script = replace(given, present=chosen)
         holds = search.scripted(equipped, script, keep=("claim.holds", "claim.given"))["claim.holds"]
         if False in holds:
             return CutSet(chosen, CONFIRMED, holds.index(False) + 1, script)
@@ -190,7 +255,8 @@ def _replayed(hazard: Hazard, problem: Problem, chosen: tuple[str, ...]) -> CutS
 def replay(hazard: Hazard, cut: CutSet) -> Trace:
     """The run that confirms a cut set, with every signal, up to the step at which the hazard is there."""
     if cut.script is None:
-        raise ModelError(f"{hazard.id}: {' + '.join(cut.faults)} is a candidate: no scenario confirmed it, so there is no run to show")
+        faults = " + ".join(cut.faults)
+        raise ModelError(f"{hazard.id}: {faults} is a candidate: no scenario confirmed it, so there is no run to show")
     found = search.cut_at(search.scripted(build_problem(hazard.claim), cut.script), "claim.holds", False)
     assert found is not None
     return found

@@ -12,13 +12,34 @@ need not be reachable and is never shown as a counterexample.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
 from safety.prove.problem import Problem
-from safety.prove.solve import SAT, UNSAT, Disagreement, Solver, Unrolling
-from safety.terms import Bit
+from safety.prove.solve import SAT, UNKNOWN, UNSAT, Disagreement, Solver, Unrolling
+from safety.system import ModelError
+from safety.terms import Bit, TermError
+
+
+@dataclass(frozen=True)
+class Obligation:
+    """One question: what holds at which step, and what must then hold; `anywhere`: from any register content."""
+
+    label: str
+    anywhere: bool
+    assumed: tuple[tuple[int, tuple[Bit, ...]], ...]
+    step: int
+    shown: Bit
+
+
+@dataclass(frozen=True)
+class Reply:
+    """A solver's answer to the negation of an obligation: `unsat` discharges it."""
+
+    result: str
+    candidate: dict[str, Any] = field(default_factory=dict)
+    why: str = ""
 
 
 @dataclass
@@ -31,96 +52,110 @@ class Answer:
     candidate: dict[str, Any] = field(default_factory=dict)
     depth: int = 0
     questions: int = 0
+    silent: dict[str, str] = field(default_factory=dict)  # solver: what it left open, and why
+
+    def after(self, first: Answer) -> Answer:
+        """Both outcomes as one: a solver agrees only when it agrees on all obligations of both."""
+        agreed = [name for name in first.agreed_by if name in self.agreed_by]
+        return Answer(
+            first.proved and self.proved, agreed, first.failed or self.failed, first.candidate or self.candidate,
+            self.depth, first.questions + self.questions, self.silent | first.silent,
+        )  # fmt: skip
 
 
 def by_induction(problem: Problem, depth: int, integers: bool, timeout: float, solvers: tuple[str, ...]) -> Answer:
     """Try induction of depth 0 (lemmas alone), 1, ... `depth`; every obligation goes to every solver."""
-    answer = lemma_obligations(problem, integers, timeout, solvers)
-    if answer.failed:
-        return answer
-    questions = answer.questions
+    lemmas = lemma_obligations(problem, integers, timeout, solvers)
+    if not lemmas.proved:
+        return lemmas
+    asked = 0
     for k in range(depth + 1):
-        answer = _obligations(problem, lambda s, k=k: _property(problem, s, k, integers, timeout), solvers)  # type: ignore[misc]
-        questions += answer.questions
-        if not answer.failed:
+        answer = _discharge(problem, property_obligations(problem, k), integers, timeout, solvers)
+        asked += answer.questions
+        answer.depth, answer.questions = k, asked
+        if answer.proved:
             break
-    answer.depth, answer.questions = k, questions
-    return answer
+    return answer.after(lemmas)
 
 
 def lemma_obligations(problem: Problem, integers: bool, timeout: float, solvers: tuple[str, ...]) -> Answer:
     """Start and step of every lemma, without the property."""
-    return _obligations(problem, lambda s: _lemmas(problem, s, integers, timeout), solvers)
+    return _discharge(problem, invariance(problem), integers, timeout, solvers)
 
 
-Question = tuple[str, Solver, Unrolling]
+def invariance(problem: Problem) -> list[Obligation]:
+    """That every lemma holds at power-up, and that a step keeps each."""
+    every = (*problem.lemmas.values(), problem.given)
+    first = (problem.start, problem.given)
+    lemmas = problem.lemmas.items()
+    start = [Obligation(f"lemma '{name}' at power-up", False, ((0, first),), 0, lemma) for name, lemma in lemmas]
+    return start + [
+        Obligation(f"lemma '{name}' is kept by a step", True, ((0, every),), 1, lemma) for name, lemma in lemmas
+    ]
 
 
-def _obligations(problem: Problem, questions: Callable[[str], Iterator[Question]], solvers: tuple[str, ...]) -> Answer:
-    """Ask each solver; the first decides, each further one must not contradict."""
-    verdicts: dict[str, dict[str, str]] = {}
-    answer = Answer(proved=True)
-    for name in solvers:
-        for label, solver, unrolling in questions(name):
-            result = solver.check()
-            verdicts.setdefault(label, {})[name] = result
-            answer.questions += 1
-            if result == SAT and not answer.candidate:
-                answer.candidate = _candidate(problem, solver, unrolling)
-            if result != UNSAT and name == solvers[0] and len(solvers) == 1:
-                break
-    for label, by in verdicts.items():
-        if SAT in by.values() and UNSAT in by.values():
-            raise Disagreement(f"{problem.claim.id}: {label}: {', '.join(f'{n} says {r}' for n, r in by.items())}")
-        if UNSAT not in by.values():
-            answer.failed = answer.failed or label
-            answer.proved = False
-    answer.agreed_by = [n for n in solvers if all(by.get(n) == UNSAT for by in verdicts.values())]
+def property_obligations(problem: Problem, depth: int) -> list[Obligation]:
+    """That the property follows from the lemmas and `depth` steps of itself, and holds at the first `depth` steps."""
+    held = tuple((k, (problem.given, problem.holds)) for k in range(depth))
+    lemmas = (0, tuple(problem.lemmas.values()))
+    follows = Obligation("the property follows", True, (lemmas, *held, (depth, (problem.given,))), depth, problem.holds)
+    first = [
+        Obligation(
+            f"the property at step {k}", False,
+            ((0, (problem.start,)), *((j, (problem.given,)) for j in range(k + 1))), k, problem.holds,
+        )
+        for k in range(depth)
+    ]  # fmt: skip
+    return [follows, *first]
+
+
+def _discharge(
+    problem: Problem, obligations: Sequence[Obligation], integers: bool, timeout: float, solvers: tuple[str, ...]
+) -> Answer:
+    """Put each obligation to each solver, up to the first that none of them discharges."""
+    answer = Answer(proved=True, agreed_by=list(solvers))
+    for one in obligations:
+        replies = {name: ask(problem, one, name, integers, timeout) for name in solvers}
+        answer.questions += len(replies)
+        results = {name: reply.result for name, reply in replies.items()}
+        if SAT in results.values() and UNSAT in results.values():
+            said = ", ".join(f"{name} says {result}" for name, result in results.items())
+            raise Disagreement(f"{problem.claim.id}: {one.label}: {said}")
+        for name, reply in replies.items():
+            if reply.result == UNKNOWN:
+                answer.silent.setdefault(name, f"{one.label} ({reply.why})")
+        answer.agreed_by = [name for name in answer.agreed_by if results[name] == UNSAT]
+        if UNSAT not in results.values():
+            found = next((reply.candidate for reply in replies.values() if reply.candidate), {})
+            return Answer(False, [], one.label, found, 0, answer.questions, answer.silent)
     return answer
 
 
-def _context(problem: Problem, solver: str, integers: bool, timeout: float, anywhere: bool) -> tuple[Solver, Unrolling]:
-    unrolling = Unrolling(problem.system, solver, integers, anywhere)
-    return Solver(solver, unrolling.k, timeout), unrolling
-
-
-def _assert(solver: Solver, unrolling: Unrolling, step: int, *formulas: Bit, negated: Bit | None = None) -> None:
-    solver.add(*unrolling.at(step, formulas))
-    if negated is not None:
-        solver.add(unrolling.k.Not(unrolling.at(step, [negated])[0]))
-    solver.add_ranges(unrolling)
-
-
-def _lemmas(problem: Problem, name: str, integers: bool, timeout: float) -> Iterator[Question]:
-    for label, lemma in problem.lemmas.items():
-        solver, unrolling = _context(problem, name, integers, timeout, anywhere=False)
-        _assert(solver, unrolling, 0, problem.start, problem.given, negated=lemma)
-        yield f"lemma '{label}' at power-up", solver, unrolling
-    for label, lemma in problem.lemmas.items():
-        solver, unrolling = _context(problem, name, integers, timeout, anywhere=True)
-        _assert(solver, unrolling, 0, *problem.lemmas.values(), problem.given)
-        _assert(solver, unrolling, 1, negated=lemma)
-        yield f"lemma '{label}' is kept by a step", solver, unrolling
-
-
-def _property(problem: Problem, name: str, depth: int, integers: bool, timeout: float) -> Iterator[Question]:
-    solver, unrolling = _context(problem, name, integers, timeout, anywhere=True)
-    _assert(solver, unrolling, 0, *problem.lemmas.values())
-    for k in range(depth):
-        _assert(solver, unrolling, k, problem.given, problem.holds)
-    _assert(solver, unrolling, depth, problem.given, negated=problem.holds)
-    yield "the property follows", solver, unrolling
-    for k in range(depth):
-        solver, unrolling = _context(problem, name, integers, timeout, anywhere=False)
-        _assert(solver, unrolling, 0, problem.start)
-        for j in range(k + 1):
-            _assert(solver, unrolling, j, problem.given)
-        _assert(solver, unrolling, k, negated=problem.holds)
-        yield f"the property at step {k}", solver, unrolling
+def ask(problem: Problem, one: Obligation, solver: str, integers: bool, timeout: float) -> Reply:
+    """Ask one solver for a counterexample to an obligation; a solver that is missing or breaks down says `unknown`."""
+    try:
+        unrolling = Unrolling(problem.system, solver, integers, one.anywhere)
+        asked = Solver(solver, unrolling.k, timeout)
+        for step, formulas in one.assumed:
+            asked.add(*unrolling.at(step, formulas))
+        asked.add(unrolling.k.Not(unrolling.at(one.step, [one.shown])[0]))
+        asked.add_ranges(unrolling)
+        result = asked.check()
+        return Reply(result, _candidate(problem, asked, unrolling) if result == SAT else {}, asked.why)
+    except (TermError, ModelError):
+        raise
+    except Exception as error:
+        return Reply(UNKNOWN, {}, f"{type(error).__name__}: {error}")
 
 
 def _candidate(problem: Problem, solver: Solver, unrolling: Unrolling) -> dict[str, Any]:
     """The registers (those that matter) of a state that an obligation allows; perhaps not reachable."""
     model, context = solver.model(), unrolling.contexts[0]
-    shown = [s for s in problem.system.states if s.var.uid in context.known]
-    return {s.path: context.value(model, context.known[s.var.uid], s.var.sort) for s in shown}
+    values: dict[str, Any] = {}
+    for s in problem.system.states:
+        if s.var.uid in context.known:
+            try:
+                values[s.path] = context.value(model, context.known[s.var.uid], s.var.sort)
+            except TermError:
+                values[s.path] = "irrational"
+    return values

@@ -1,4 +1,4 @@
-"""Prove or refute one claim: induction over its lemmas, bounded search, scenarios, and the reachability of its premise."""
+"""Prove or refute one claim: induction over its lemmas, bounded search, scenarios, reachable premises."""
 
 from __future__ import annotations
 
@@ -9,10 +9,11 @@ from typing import Any
 from safety.prove import search
 from safety.prove.claims import BOUNDED, INTEGERS, PROVED, REFUTED, UNDECIDED, VACUOUS, Claim
 from safety.prove.induction import Answer, by_induction
-from safety.prove.problem import Problem, build_problem
+from safety.prove.problem import Problem, build_problem, premise_name
 from safety.prove.refinement import build_refinement
 from safety.system import ModelError
-from safety.terms.graph import postorder
+from safety.terms import Bit
+from safety.terms.graph import describe, postorder
 from safety.trace import Trace
 
 
@@ -46,15 +47,19 @@ class Outcome:
 
     @property
     def as_expected(self) -> bool:
-        """Whether the verdict is the one that the claim states."""
-        return self.verdict == self.claim.expect
+        """Whether the verdict is the one that the claim states; a bounded one has to reach as far as was asked."""
+        short = self.verdict == BOUNDED and (self.steps or 0) < self.claim.steps
+        return self.verdict == self.claim.expect and not short
 
 
 def prove(claim: Claim, limits: Limits | None = None, settings: dict[str, Any] | None = None) -> Outcome:
-    """The verdict on a claim.  Raises `ModelError` for a claim that is not well formed, `Disagreement` when solvers differ."""
+    """The verdict on a claim.
+
+    Raises `ModelError` for a claim that is not well formed, `Disagreement` when solvers differ.
+    """
     limits = limits or Limits()
     began = time.perf_counter()
-    problem = build_refinement(claim) if claim.refinement is not None else build_problem(claim, settings)
+    problem = build_refinement(claim, settings) if claim.refinement is not None else build_problem(claim, settings)
     outcome = _decide(problem, limits)
     outcome.seconds = time.perf_counter() - began
     return outcome
@@ -73,75 +78,121 @@ def _decide(problem: Problem, limits: Limits) -> Outcome:
     elif not _induct(problem, outcome, limits):
         _search(problem, outcome, limits)
     if outcome.verdict in (PROVED, BOUNDED):
-        _premise(problem, outcome, limits)
+        _premises(problem, outcome, limits)
     return outcome
 
 
 def _refuted(outcome: Outcome, trace: Trace, method: str) -> Outcome:
     outcome.verdict, outcome.counterexample, outcome.method = REFUTED, trace, method
-    outcome.steps = len(trace)
-    outcome.why = ""
+    outcome.steps, outcome.candidate, outcome.why = len(trace), {}, ""
     return outcome
 
 
 def _uses_reals(problem: Problem) -> bool:
-    return any(t.sort.kind == "real" for t in postorder([problem.holds, *problem.system.roots()]))
+    formulas = [problem.holds, problem.given, problem.start, *problem.premises, *problem.lemmas.values()]
+    return any(t.sort.kind == "real" for t in postorder([*formulas, *problem.system.roots()]))
 
 
 def _integers(problem: Problem) -> bool:
     return problem.claim.arithmetic == INTEGERS or _uses_reals(problem)
 
 
+def _by_induction(problem: Problem, limits: Limits) -> Answer:
+    return by_induction(problem, problem.claim.induction, _integers(problem), limits.timeout, limits.solvers)
+
+
+def _bounded(problem: Problem, target: Bit, limits: Limits) -> search.Found:
+    return search.bounded(problem, target, problem.claim.steps, _uses_reals(problem), limits.timeout)
+
+
 def _induct(problem: Problem, outcome: Outcome, limits: Limits) -> bool:
-    answer: Answer = by_induction(problem, problem.claim.induction, _integers(problem), limits.timeout, limits.solvers)
+    answer = _by_induction(problem, limits)
     outcome.questions += answer.questions
     if not answer.proved:
         outcome.candidate, outcome.why = answer.candidate, f"induction fails: {answer.failed}"
         return False
     used = f"{len(problem.lemmas)} lemmas" if problem.lemmas else "no lemmas"
     form = "integers" if _integers(problem) else "bits"
-    outcome.verdict, outcome.agreed_by = PROVED, answer.agreed_by
+    outcome.verdict, outcome.agreed_by, outcome.steps = PROVED, answer.agreed_by, None
     outcome.method = f"induction of depth {answer.depth}, {used}, {form}"
-    outcome.why = ""
+    outcome.why = _who_is_silent(answer)
     return True
+
+
+def _who_is_silent(answer: Answer) -> str:
+    """What to say of a proof that not all solvers have confirmed; nothing where two have."""
+    if len(answer.agreed_by) > 1:
+        return ""
+    told = [f"{name} left open {what}" for name, what in answer.silent.items()]
+    who = f"one solver only, {answer.agreed_by[0]}" if answer.agreed_by else "no single solver for all obligations"
+    return "; ".join([f"confirmed by {who}", *told])
 
 
 def _search(problem: Problem, outcome: Outcome, limits: Limits) -> bool:
     """Bounded search; leaves a bounded verdict when nothing is found."""
-    bad = ~problem.holds
-    found = search.bounded(problem, bad, problem.claim.steps, _uses_reals(problem), limits.timeout)
+    found = _bounded(problem, ~problem.holds, limits)
     if found.run is not None:
         _refuted(outcome, found.run, "bounded search, replayed")
         return True
-    if found.searched == 0:
-        outcome.why = outcome.why or "the solver gave no answer for a single step"
-        return False
-    outcome.verdict, outcome.steps = BOUNDED, found.searched
-    outcome.method = f"bounded search of {found.searched} steps"
+    outcome.why = "; ".join(filter(None, [outcome.why, found.why]))
+    if found.searched:
+        outcome.verdict, outcome.steps, outcome.agreed_by = BOUNDED, found.searched, ["z3"]
+        outcome.method = f"bounded search of {found.searched} steps"
     return False
 
 
-def _premise(problem: Problem, outcome: Outcome, limits: Limits) -> None:
-    """Show that the premise (with the assumptions) can happen; a claim that never says anything is vacuous."""
+def _premises(problem: Problem, outcome: Outcome, limits: Limits) -> None:
+    """Show that each premise (with the assumptions) can happen; a claim that never says anything is vacuous."""
+    met = _witnessed(problem)
+    for i, premise in enumerate(problem.premises):
+        if i not in met:
+            found = _bounded(problem, premise, limits)
+            if found.run is None:
+                _unmet(problem, outcome, premise, found, limits)
+                return
+            met[i] = len(found.run) - 1
+    outcome.premise_at = max(met.values())
+
+
+def _witnessed(problem: Problem) -> dict[int, int]:
+    """The premises that the claim's witness meets, with the step at which it does."""
     witness = problem.claim.witness
-    if witness is not None:
-        run = search.cut_at(search.scripted(problem, witness), "claim.premise", True)
-        if run is None:
-            raise ModelError(f"{problem.claim.id}: its witness never reaches the premise in {witness.steps} steps; mend the witness")
-        outcome.premise_at = len(run) - 1
-        return
-    found = search.bounded(problem, problem.premise, problem.claim.steps, _uses_reals(problem), limits.timeout)
-    if found.run is not None:
-        outcome.premise_at = len(found.run) - 1
-        return
-    if _never(problem, limits):
-        outcome.verdict, outcome.why = VACUOUS, "the premise can never happen"
+    if witness is None:
+        return {}
+    run = search.scripted(problem, witness)
+    first = [search.first(run, premise_name(problem, i)) for i in range(len(problem.premises))]
+    met = {i: step for i, step in enumerate(first) if step is not None}
+    if not met:
+        raise ModelError(
+            f"{problem.claim.id}: its witness never reaches the premise in {witness.steps} steps; mend the witness"
+        )
+    return met
+
+
+def _unmet(problem: Problem, outcome: Outcome, premise: Bit, found: search.Found, limits: Limits) -> None:
+    text = "" if premise.is_const else f" {describe(premise)}"
+    outcome.agreed_by = []
+    if (never := _never(problem, premise, limits)) is not None:
+        outcome.verdict, outcome.agreed_by, outcome.steps = VACUOUS, never.agreed_by, None
+        contradiction = premise.is_const and premise.attr
+        outcome.why = (
+            "the assumptions contradict one another: no run starts"
+            if contradiction
+            else f"the premise{text} can never happen"
+        )
     else:
         outcome.verdict = UNDECIDED
-        outcome.why = f"the premise was not reached within {found.searched} steps; give the claim a witness (a scenario in which it happens)"
+        outcome.why = (
+            f"the premise{text} was not reached within {found.searched} steps; "
+            "give the claim a witness (a scenario in which it happens)"
+        )
+        outcome.why += f"; {found.why}" if found.why else ""
 
 
-def _never(problem: Problem, limits: Limits) -> bool:
-    """Whether the premise is impossible: proved by the same induction, or nothing can start at all."""
-    never = replace(problem, holds=~problem.premise)
-    return by_induction(never, problem.claim.induction, _integers(problem), limits.timeout, limits.solvers).proved
+def _never(problem: Problem, premise: Bit, limits: Limits) -> Answer | None:
+    """The proof that a premise is impossible, by the same induction; without the lemmas where these do not hold."""
+    for lemmas in [problem.lemmas, {}] if problem.lemmas else [{}]:
+        answer = _by_induction(replace(problem, holds=~premise, lemmas=lemmas), limits)
+        if answer.proved:
+            return answer
+    return None

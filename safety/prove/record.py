@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import re
 from fractions import Fraction
 from itertools import pairwise
 from typing import Any
 
+from safety.faults import FROM_START, PREFIX, now_name, present_name
 from safety.prove.claims import REFUTED, Claim
 from safety.prove.hazards import CutSets, Hazard
 from safety.prove.problem import Problem
@@ -18,6 +20,7 @@ SHOWN_FAULTS = 8  # names in the text of a fault budget; all stand beside it
 SIGNALS = 18  # of a counterexample, besides the claim itself
 MOST_CHANGES = 400  # more of them tell nothing
 SELDOM = 12  # changes in a run that make a signal part of its story
+_ADDED = re.compile(rf"watch\.|{PREFIX}\d+(\.|$)")  # registers that the proof adds to the model's own
 
 
 def claim_entry(outcome: Outcome) -> dict[str, Any]:
@@ -73,21 +76,28 @@ def surroundings(problem: Problem | None) -> dict[str, Any]:
     if problem is None:
         return {}
     system = problem.system
-    registers = [s for s in system.states if not s.path.startswith(("watch.", "fault"))]
+    registers = [s for s in system.states if not _ADDED.match(s.path)]
+    formulas = {"given": problem.claim.given, "start": problem.claim.start}
     return {
         "clock": {"tick_s": str(system.clock.period)} if system.clock.period else {"event": system.clock.event},
         "power_up": ", ".join(f"{s.path}={_show(s.power_up)}" for s in registers),
         "parameters": [
-            {"name": p.path, "value": _plain(p.value), "unit": p.unit, "low": _plain(p.low), "high": _plain(p.high), "source": p.source}
+            {
+                "name": p.path,
+                "value": _plain(p.value),
+                "unit": p.unit,
+                "low": _plain(p.low),
+                "high": _plain(p.high),
+                "source": p.source,
+            }
             for p in system.settings.values()
         ],
         "tags": sorted({p.tag for p in system.settings.values()}),
         "assumptions": [
             *system.assumptions,
-            *(f"given: {problem.claim.given.__doc__ or problem.claim.given.__name__}" for _ in [0] if problem.claim.given),
-            *(f"start: {problem.claim.start.__doc__ or problem.claim.start.__name__}" for _ in [0] if problem.claim.start),
+            *(f"{role}: {' '.join((f.__doc__ or f.__name__).split())}" for role, f in formulas.items() if f),
         ],
-    }  # fmt: skip
+    }
 
 
 def counterexample(outcome: Outcome) -> dict[str, Any]:
@@ -100,7 +110,7 @@ def counterexample(outcome: Outcome) -> dict[str, Any]:
         "violated_at": len(trace) - 1,
         "replayed": True,
         "faults": present,
-        "fault_onset": _onset(trace) if present else None,
+        "fault_onset": _onset(trace, problem),
         "chosen": {p: _plain(v) for p, v in trace.chosen.items()},
         "replay": f"rightside replay {outcome.claim.id}",
         "vcd": f"{outcome.claim.id}.vcd",
@@ -114,14 +124,18 @@ def _vacuity(outcome: Outcome) -> dict[str, Any] | None:
     return {"premise_reached_at": outcome.premise_at}
 
 
-def _onset(trace: Trace) -> int | None:
-    """The first step at which a fault acts."""
-    acting = [trace[p].index(True) for p in trace.columns if p.startswith("fault") and p.endswith(".on") and True in trace[p]]
-    return min(acting) - 1 if acting else None
+def _onset(trace: Trace, problem: Problem) -> int | None:
+    """The first step at which a fault that is present acts."""
+    first: list[int] = []
+    for i, fault in enumerate(problem.faults):
+        now = trace.columns.get(now_name(i), [])
+        if _present(trace, i) and (fault.onset == FROM_START or True in now):
+            first.append(0 if fault.onset == FROM_START else now.index(True))
+    return min(first, default=None)
 
 
 def story(trace: Trace, problem: Problem) -> list[str]:
-    """Signals worth showing: those the claim names, inputs and outputs of the whole, then the ones that seldom change."""
+    """Signals worth showing: those the claim names, inputs and outputs of the whole, then those that seldom change."""
     changes = {p: sum(x != y for x, y in pairwise(values)) for p, values in trace.columns.items()}
     system = problem.system
     named = [p for p in claim_names(problem) if p in changes]
@@ -152,7 +166,7 @@ def claim_names(problem: Problem) -> list[str]:
 
 
 def _present(trace: Trace, index: int) -> bool:
-    column = trace.columns.get(f"fault{index}")
+    column = trace.columns.get(present_name(index))
     return bool(column and column[0])
 
 
@@ -165,6 +179,7 @@ def cut_set_entry(result: CutSets, hazard: Hazard) -> dict[str, Any]:
         "complete_to_order": result.complete_to,
         "complete_at_all_orders": result.all_orders,
         "why": result.why or None,
+        "agreed_by": result.agreed_by,
         "confirmed": result.by_order("confirmed"),
         "candidate": result.by_order("candidate"),
         "cut_sets": [{"faults": list(s.faults), "status": s.status, "steps": s.steps} for s in result.sets],

@@ -7,19 +7,21 @@ equal, is then a claim like any other: proved by induction, or refuted with a re
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, cast
 
-from safety.faults import Budget, instrument, within
+from safety.faults import Budget, within
+from safety.fields import fit
 from safety.model import Model
 from safety.prove.claims import BITS, Claim, F, Formula, Seen, claim_id, register
-from safety.prove.problem import Problem
-from safety.system import ANY, ModelError, State, System, nearest, repeat, substitute
+from safety.prove.problem import Problem, equipped
+from safety.system import ANY, ModelError, State, System, nearest, substitute
 from safety.terms import Bit
-from safety.terms.graph import Term, variable
+from safety.terms.graph import Term, variable, variables
 from safety.terms.values import all_of, bit
-from safety.tracing import trace
+from safety.tracing import resolve, trace
 
 Reading = Callable[[Seen], Mapping[str, Any]]
 
@@ -63,9 +65,9 @@ def refines(
         pairs = outputs if isinstance(outputs, Mapping) else {o: o for o in outputs}
         register(
             Claim(
-                claim_id(read), lower, read, statement, expect, requirement, source, faults, None, None, (), (), {}, search, 1,
-                BITS, None, None, claim_id(twin_of) if twin_of else None, "twin" if twin_of else "refinement", False,
-                Refinement(upper, steps, read, at, pairs),
+                claim_id(read), lower, read, statement, expect, requirement, source, faults, None, None, (), (), {},
+                search, 1, BITS, None, None, claim_id(twin_of) if twin_of else None, "twin" if twin_of else "refinement",
+                False, Refinement(upper, steps, read, at, pairs),
             )
         )  # fmt: skip
         return read
@@ -73,41 +75,76 @@ def refines(
     return declare
 
 
-def build_refinement(claim: Claim) -> Problem:
-    """The two models side by side, one upper step a step, as a problem like any other."""
+def build_refinement(claim: Claim, settings: Mapping[str, Any] | None = None) -> Problem:
+    """The two models side by side, one upper step a step, as a problem like any other.
+
+    `settings` go to each of the two that has such a parameter.  What the upper model assumes of inputs is assumed; what
+    it assumes of its registers has to be shown.  Raises `ModelError` for registers, outputs or inputs that do not fit.
+    """
     wanted: Refinement = claim.refinement
-    lower = trace(claim.model)
-    faulted = instrument(lower, claim.faults.expand(lower) if claim.faults else [], present=None)
-    frame = repeat(faulted.system, wanted.steps)
-    upper = _renamed(trace(wanted.upper), frame)
-    read = wanted.read(Seen(frame))
-    registers = {s.path.removeprefix("spec."): s for s in upper.states}
-    for name in [*(registers.keys() - read.keys()), *(read.keys() - registers.keys())]:
-        raise ModelError(f"{claim.id}: reads {sorted(read)}, the registers of {wanted.upper.__name__} are {sorted(registers)}; {name!r} differs")
-    equal = all_of(*(cast(Bit, read[name] == s.var) for name, s in registers.items()))
-    aligned = wanted.at(Seen(frame)) if wanted.at else bit(True)
-    same_outputs = all_of(*(cast(Bit, frame.lookup(low) == upper.signals[up]) for up, low in _outputs(wanted, upper, frame).items()))
+    given_to = {model: _fitting(model, {**claim.settings, **(settings or {})}) for model in (claim.model, wanted.upper)}
+    faulted = equipped(claim, trace(claim.model, given_to[claim.model]), wanted.steps)
+    frame = faulted.system
+    upper = _renamed(trace(wanted.upper, given_to[wanted.upper]), frame)
+    read = _read(claim, Seen(frame, faulted), upper)
+    same = {name: cast(Bit, read[name] == s.var) for name, s in _registers(upper).items()}
+    aligned = wanted.at(Seen(frame, faulted)) if wanted.at else bit(True)
+    outputs = _outputs(wanted, upper, frame)
+    same_outputs = all_of(*(cast(Bit, frame.lookup(low) == upper.signals[up]) for up, low in outputs.items()))
+    free = {v.uid for v in frame.inputs.values()}
+    assumed = {f"{wanted.upper.__name__}: {text}": cast(Bit, a) for text, a in upper.assumptions.items()}
+    of_inputs = {text: a for text, a in assumed.items() if all(v.uid in free for v in variables([a]))}
+    met = all_of(*(a for text, a in assumed.items() if text not in of_inputs))
     system = replace(
         frame,
         name=f"{frame.name} beside {wanted.upper.__name__}",
         states=(*frame.states, *upper.states),
-        signals={**frame.signals, **{f"spec.{k}": v for k, v in upper.signals.items()}},
-        assumptions={**frame.assumptions, **upper.assumptions},
+        signals={**frame.signals, **{f"spec.{name}": term for name, term in upper.signals.items()}},
+        settings={**frame.settings, **{f"spec.{name}": setting for name, setting in upper.settings.items()}},
+        assumptions={**frame.assumptions, **of_inputs},
     )
     budget = within(claim.faults, faulted) if claim.faults else bit(True)
-    start = all_of(frame.start, budget, *(cast(Bit, read[n] == s.var) for n, s in registers.items() if s.power_up is ANY))
+    chosen = (same[name] for name, s in _registers(upper).items() if s.power_up is ANY)
     given = all_of(budget, *(cast(Bit, a) for a in system.assumptions.values()))
-    lemmas = {f"{name} as read is {name} as held": cast(Bit, read[name] == s.var) for name, s in registers.items()}
+    lemmas = {f"{name} as read is {name} as held": equal for name, equal in same.items()}
     if wanted.at:
         lemmas["a frame ends where one begins"] = aligned
-    return Problem(claim, system, replace(faulted, system=system), equal & aligned & same_outputs, bit(True), given, start, lemmas)
+    holds = all_of(*same.values(), aligned, same_outputs, met)
+    start = all_of(frame.start, budget, *chosen)
+    return Problem(claim, system, replace(faulted, system=system), holds, (bit(True),), given, start, lemmas)
+
+
+def _fitting(model: type[Model], settings: Mapping[str, Any]) -> dict[str, Any]:
+    """The settings for which a model has a parameter."""
+    fitting: dict[str, Any] = {}
+    for name, value in settings.items():
+        with contextlib.suppress(ModelError):
+            fitting |= resolve(model, {name: value})
+    return fitting
+
+
+def _registers(upper: System) -> dict[str, State]:
+    """The upper model's registers by the names that they have in it."""
+    return {s.path.removeprefix("spec."): s for s in upper.states}
+
+
+def _read(claim: Claim, seen: Seen, upper: System) -> dict[str, Term]:
+    """What the claim reads for each upper register; a value that the register cannot hold is refused."""
+    read = claim.refinement.read(seen)
+    registers = _registers(upper)
+    for name in sorted(registers.keys() ^ read.keys()):
+        raise ModelError(
+            f"{claim.id}: reads {sorted(read)}, the registers of {upper.name} are {sorted(registers)}; {name!r} differs"
+        )
+    return {name: fit(read[name], s.var.sort, f"{claim.id}: {name} as read") for name, s in registers.items()}
 
 
 def _outputs(wanted: Refinement, upper: System, frame: System) -> Mapping[str, str]:
     for up, low in wanted.outputs.items():
         if up not in upper.signals:
             raise ModelError(f"{upper.name} has no output {up!r}; {nearest(up, upper.signals)}")
-        frame.lookup(low)
+        if low not in frame.signals:
+            raise ModelError(f"{frame.name} has no output {low!r}; {nearest(low, frame.signals)}")
     return wanted.outputs
 
 
@@ -116,7 +153,9 @@ def _renamed(upper: System, lower: System) -> System:
     mapping: dict[int, Term] = {s.var.uid: variable(f"spec.{s.path}", s.var.sort) for s in upper.states}
     for name, var in upper.inputs.items():
         if name not in lower.inputs or lower.inputs[name].sort != var.sort:
-            raise ModelError(f"{upper.name} reads the input {name}: {var.sort}, which {lower.name} does not have; give it one of that name and type")
+            raise ModelError(
+                f"{upper.name} has the input {name}: {var.sort}; give {lower.name} one of that name and type"
+            )
         mapping[var.uid] = lower.inputs[name]
     changed = upper.mapped(lambda terms: substitute(terms, mapping))
     states = tuple(State(mapping[s.var.uid], s.next, s.power_up) for s in changed.states)

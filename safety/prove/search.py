@@ -5,38 +5,43 @@ Nothing is called a counterexample before it has been run on the Python reading 
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Any, cast
 
-from safety.faults import present_name
+from safety.faults import now_name, present_name
 from safety.prove.claims import Scenario
 from safety.prove.problem import Problem, observed
 from safety.prove.solve import SAT, UNKNOWN, Disagreement, Solver, Unrolling
 from safety.system import ANY, ModelError, nearest, substitute
-from safety.terms import Bit
-from safety.terms.graph import Term
+from safety.terms import Bit, TermError
+from safety.terms.graph import REAL, Sort
 from safety.terms.values import bit
-from safety.trace import Trace, run
+from safety.trace import Trace, least, run
 
 
 @dataclass
 class Found:
-    """Result of a search: a replayed run that ends where the target holds, or the number of steps searched in full."""
+    """Result of a search: a replayed run that ends where the target holds, or the number of steps searched in full.
+
+    A search that is not `complete` stopped early, and `why` says what for.
+    """
 
     run: Trace | None
     searched: int
     complete: bool = True
+    why: str = ""
 
 
-def bounded(problem: Problem, target: Bit, steps: int, integers: bool, timeout: float, solver: str = "z3") -> Found:
+def bounded(problem: Problem, target: Bit, steps: int, integers: bool, timeout: float) -> Found:
     """Look for the shortest run whose last step satisfies `target`, up to `steps` steps; then the smallest of those.
 
-    `searched` counts the steps shown free of the target.
+    `searched` counts the steps shown free of the target.  The run does not depend on the solver (reals apart).
     """
-    unrolling = Unrolling(problem.system, solver, integers)
-    asked = Solver(solver, unrolling.k, timeout, finite=not integers)
+    unrolling = Unrolling(problem.system, "z3", integers)
+    asked = Solver("z3", unrolling.k, timeout, finite=not integers)
     asked.add(*unrolling.at(0, [problem.start]))
     for k in range(steps):
         given, hit = unrolling.at(k, [problem.given, target])
@@ -46,113 +51,121 @@ def bounded(problem: Problem, target: Bit, steps: int, integers: bool, timeout: 
         asked.add(hit)
         answer = asked.check()
         if answer == SAT:
-            values = _smallest(problem, unrolling, asked, k)
+            try:
+                values = _smallest(problem, unrolling, asked, k)
+            except TermError as error:  # a number that no run can be given
+                return Found(None, k, complete=False, why=str(error))
             return Found(replay(problem, values, k + 1, target), k)
         asked.pop()
         if answer == UNKNOWN:
-            return Found(None, k, complete=False)
+            return Found(None, k, complete=False, why=f"the solver gave no answer at step {k}: {asked.why}")
         asked.add(unrolling.k.Not(hit))
     return Found(None, steps)
 
 
 def _smallest(problem: Problem, unrolling: Unrolling, asked: Solver, last: int) -> dict[tuple[str, int], Any]:
     """Fix the free choices one by one, each to its least value: the result does not depend on the solver."""
-    values: dict[tuple[str, int], Any] = {}
     free = [(s.path, s.var, 0) for s in problem.system.states if s.power_up is ANY]
     free += [(path, var, k) for k in range(last + 1) for path, var in problem.system.inputs.items()]
+    values: dict[tuple[str, int], Any] = {}
+    model = asked.model()
     for path, var, k in free:
-        context = unrolling.contexts[k]
-        if var.uid not in context.known:
-            continue
-        values[path, k] = _least(unrolling, asked, context.known[var.uid], var)
+        expression = unrolling.contexts[k].known.get(var.uid)
+        if expression is not None:
+            shrink = _simple_real if var.sort == REAL else _least
+            values[path, k], model = shrink(unrolling, asked, model, expression, var.sort)
     return values
 
 
-def _least(unrolling: Unrolling, asked: Solver, expression: Any, var: Term) -> Any:
-    """The least value that the expression can take in a model of what is asserted; asserted from then on."""
-    encoder = unrolling.encoder
-
-    def current() -> Any:
-        if asked.check() != SAT:
-            raise Disagreement(f"{var.attr}: the solver withdrew its answer while the run was being made smallest")
-        return encoder.value(asked.model(), expression, var.sort)
-
-    value = current()
-    if var.sort.kind == "real":
-        asked.add(expression == unrolling.k.RealVal(str(value)))
-        return value
-    low = 0 if var.sort.kind == "bit" else var.sort.bounds[0]
-    while value is not False and value != low:
-        middle = False if value is True else (low + value) // 2
-        asked.push()
-        asked.add(_at_most(unrolling, expression, var, middle))
-        answer = asked.check()
-        if answer == SAT:
-            value = encoder.value(asked.model(), expression, var.sort)
-            asked.pop()
-        else:
-            asked.pop()
-            if value is True:
-                break
+def _least(unrolling: Unrolling, asked: Solver, model: Any, expression: Any, sort: Sort) -> tuple[Any, Any]:
+    """The least value that the expression can take, and a model with it; asserted from then on."""
+    value = unrolling.encoder.value(model, expression, sort)
+    low = sort.bounds[0]
+    while value > low:
+        middle = (low + int(value)) // 2
+        smaller = _model_with(asked, _at_most(unrolling, expression, sort, middle))
+        if smaller is None:
             low = middle + 1
-    asked.add(_at_most(unrolling, expression, var, value))
-    return value
+        else:
+            model = smaller
+            value = unrolling.encoder.value(model, expression, sort)
+    asked.add(expression == value)
+    return value, model
 
 
-def _at_most(unrolling: Unrolling, expression: Any, var: Term, value: Any) -> Any:
+def _simple_real(unrolling: Unrolling, asked: Solver, model: Any, expression: Any, sort: Sort) -> tuple[Any, Any]:
+    """0 if it will do, else the solver's value or a fraction near it; `TermError` when no fraction will do."""
     k = unrolling.k
-    if var.sort.kind == "bit":
+    exact = model.eval(expression, model_completion=True)
+    near = [Fraction(exact.approx(n).as_fraction()) for n in (3, 9, 27)] if k.is_algebraic_value(exact) else []
+    for value in (Fraction(0), *near):
+        found = _model_with(asked, expression == k.RealVal(str(value)))
+        if found is not None:
+            asked.add(expression == k.RealVal(str(value)))
+            return value, found
+    value = cast(Fraction, unrolling.encoder.value(model, expression, sort))
+    asked.add(expression == k.RealVal(str(value)))
+    return value, model
+
+
+def _model_with(asked: Solver, condition: Any) -> Any:
+    """A model of what is asserted and of a condition; None when there is none, or none is found in time."""
+    asked.push()
+    asked.add(condition)
+    model = asked.model() if asked.check() == SAT else None
+    asked.pop()
+    return model
+
+
+def _at_most(unrolling: Unrolling, expression: Any, sort: Sort, value: Any) -> Any:
+    k = unrolling.k
+    if sort.kind == "bit":
         return expression if value else k.Not(expression)
-    if unrolling.encoder.integers:
+    if unrolling.encoder.integers or sort.kind == "int":
         return expression <= value
-    if var.sort.kind == "uint":
-        return k.ULE(expression, k.BitVecVal(value, var.sort.width))
-    return expression <= value
+    return k.ULE(expression, k.BitVecVal(value, sort.width))
 
 
-def replay(problem: Problem, values: Mapping[tuple[str, int], Any], steps: int, target: Bit | None) -> Trace:
-    """Run the Python reading on a solver's choices; raises `Disagreement` when the target is not met at the last step."""
-    system = observed(problem)
+def replay(problem: Problem, values: Mapping[tuple[str, int], Any], steps: int, target: Bit) -> Trace:
+    """Run the Python reading on a solver's choices.
+
+    Raises `Disagreement` when the target is not met at the last step.
+    """
+    whole = observed(problem)
+    system = replace(whole, signals={**whole.signals, "claim.target": target})
     start = {path: v for (path, k), v in values.items() if k == 0 and path in system.state}
 
     def row(k: int) -> dict[str, Any]:
-        return {path: values.get((path, k), _low(var)) for path, var in system.inputs.items()}
+        return {path: values.get((path, k), least(var.sort)) for path, var in system.inputs.items()}
 
-    trace = run(system, row, steps, start=start)
-    met = trace["claim.holds"][-1] if target is problem.premise else not trace["claim.holds"][-1]
-    reached = trace["claim.premise"][-1] if target is problem.premise else met
-    if not reached or not all(trace["claim.given"]):
-        raise Disagreement(f"{problem.claim.id}: the solver's run of {steps} steps does not do on the Python reading what it should")
-    return trace
-
-
-def _low(var: Term) -> Any:
-    return {"bit": False, "real": Fraction(0)}.get(var.sort.kind, var.sort.low if var.sort.kind == "int" else 0)
+    try:
+        trace = run(system, row, steps, start=start)
+    except ModelError as error:
+        raise Disagreement(f"{problem.claim.id}: the solver's run of {steps} steps cannot be run: {error}") from error
+    if not trace["claim.target"][-1] or not all(trace["claim.given"]):
+        raise Disagreement(
+            f"{problem.claim.id}: the solver's run of {steps} steps does not do on the Python reading what it should"
+        )
+    columns = {path: column for path, column in trace.columns.items() if path != "claim.target"}
+    return Trace(whole, trace.steps, columns, trace.chosen)
 
 
 def scripted(problem: Problem, script: Scenario, keep: Sequence[str] | None = None) -> Trace:
-    """Run a scenario, recording all signals or those of `keep` (with `claim.given`).  Raises `ModelError` when it names what is not there or breaks an assumption of the claim."""
+    """Run a scenario, recording all signals or those of `keep` (with `claim.given`).
+
+    Raises `ModelError` when it names what is not there or breaks an assumption of the claim.
+    """
     system = observed(problem)
     names = [f.name for f in problem.faults]
     for name in script.present:
         if name not in names:
             raise ModelError(f"{problem.claim.id}: the scenario wants the fault {name!r}; {nearest(name, names)}")
+    for name in script.inputs:
+        if name not in system.inputs:
+            raise ModelError(f"{problem.claim.id}: the scenario sets {name!r}; {nearest(name, system.inputs)}")
     present = {present_name(i): fault.name in script.present for i, fault in enumerate(problem.faults)}
-    usual = {path: p.default for path, p in system.settings.items() if path in system.state}
-    chosen = usual | {path: value for path, value in present.items() if path in system.state}
-    unknown = [n for n in script.inputs if n not in system.inputs]
-    if unknown:
-        raise ModelError(f"{problem.claim.id}: the scenario sets {unknown[0]!r}; {nearest(unknown[0], system.inputs)}")
-
-    fixed: dict[str, Any] = {}
-    moving: dict[str, Callable[[int], Any]] = {path: (lambda k: k >= script.at) for path in system.inputs if path.endswith(".now")}
-    for path, var in system.inputs.items():
-        point = path.split(".", 1)[-1].removesuffix(".value")
-        wanted = script.inputs.get(path, script.values.get(point, _low(var)))
-        if callable(wanted):
-            moving[path] = wanted
-        elif path not in moving:
-            fixed[path] = wanted
+    start = {path: value for path, value in present.items() if path in system.state} | dict(script.start)
+    fixed, moving = _choices(problem, script)
     rows: dict[tuple[Any, ...], dict[str, Any]] = {}
 
     def row(k: int) -> dict[str, Any]:
@@ -162,20 +175,50 @@ def scripted(problem: Problem, script: Scenario, keep: Sequence[str] | None = No
             rows[now] = fixed | dict(zip(moving, now, strict=True))
         return rows[now]
 
-    trace = run(system, row, script.steps, start={**chosen, **script.start}, keep=keep)
+    trace = run(system, row, script.steps, start=start, keep=keep)
     broken = [k for k, ok in enumerate(trace["claim.given"]) if not ok]
     if broken:
         raise ModelError(f"{problem.claim.id}: the scenario breaks an assumption of the claim at step {broken[0]}")
     return trace
 
 
+def _choices(problem: Problem, script: Scenario) -> tuple[dict[str, Any], dict[str, Callable[[int], Any]]]:
+    """Inputs of a scenario by name: those that stay, and those that are a function of the step.
+
+    A fault's choices within a step of several (`... (step 0)`) are all that of the step.
+    """
+    fixed: dict[str, Any] = {}
+    moving: dict[str, Callable[[int], Any]] = {}
+    values = dict(script.values)
+    onsets, places = {now_name(i) for i in range(len(problem.faults))}, set()
+    free = set(problem.faulted.choices)
+    for path, var in problem.system.inputs.items():
+        wanted: Any = least(var.sort)
+        if path in script.inputs:
+            wanted = script.inputs[path]
+        elif path in free:
+            base = re.sub(r" \(step \d+\)$", "", path)
+            place = base.partition(".")[2].removesuffix(".value")
+            places.add(place)
+            wanted = (lambda k: k >= script.at) if base in onsets else values.get(place, wanted)
+        if callable(wanted):
+            moving[path] = wanted
+        else:
+            fixed[path] = wanted
+    for place in values:
+        if place not in places:
+            raise ModelError(f"{problem.claim.id}: the scenario gives values at {place!r}; {nearest(place, places)}")
+    return fixed, moving
+
+
 def with_faults(problem: Problem, names: Sequence[str]) -> Problem:
     """The problem with just these faults in the equipment: the others are folded away, the rest is as it was."""
     present = zip(problem.faults, problem.faulted.present, strict=True)
     fixed = {there.uid: bit(fault.name in names) for fault, there in present if there.op == "var"}
-    holds, premise, given = (cast(Bit, t) for t in substitute([problem.holds, problem.premise, problem.given], fixed))
+    terms = substitute([problem.holds, problem.given, *problem.premises], fixed)
+    holds, given, *premises = (cast(Bit, t) for t in terms)
     system = problem.system.mapped(lambda terms: substitute(terms, fixed))
-    return replace(problem, system=system, holds=holds, premise=premise, given=given)
+    return replace(problem, system=system, holds=holds, premises=tuple(premises), given=given)
 
 
 def cut_at(trace: Trace, signal: str, value: bool) -> Trace | None:
@@ -184,3 +227,8 @@ def cut_at(trace: Trace, signal: str, value: bool) -> Trace | None:
         return None
     last = trace[signal].index(value)
     return Trace(trace.system, last + 1, {p: v[: last + 1] for p, v in trace.columns.items()}, trace.chosen)
+
+
+def first(trace: Trace, signal: str) -> int | None:
+    """The first step at which a signal is true; None when it never is."""
+    return trace[signal].index(True) if True in trace[signal] else None

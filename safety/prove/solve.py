@@ -7,11 +7,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, cast
 
 from safety.system import ANY, State, System
-from safety.terms.graph import Term, variables
+from safety.terms.graph import Term, Value, variables
 from safety.terms.smt import Encoder
+from safety.terms.values import const
 
 SAT, UNSAT, UNKNOWN = "sat", "unsat", "unknown"
 
@@ -54,9 +55,7 @@ class Unrolling:
         if step == 0:
             if self.anywhere or state.power_up is ANY:
                 return self.encoder.variable(f"{v.attr}@0", v.sort)
-            from safety.terms.values import const
-
-            return self.contexts[0]([const(state.power_up, v.sort)])[0]
+            return self.contexts[0]([const(cast(Value, state.power_up), v.sort)])[0]
         return self.at(step - 1, [state.next])[0]
 
     def ranges(self) -> list[Any]:
@@ -84,8 +83,9 @@ class Solver:
             self.raw.set("random_seed", 0)
         else:
             self.raw.setOption("tlimit-per", milliseconds)
-            self.raw.setOption("bv-solver", "bitblast-internal")  # the default took minutes on a serial adder, this 0.01 s
+            self.raw.setOption("bv-solver", "bitblast-internal")  # default: minutes on a serial adder
         self.asserted = 0
+        self.why = ""
 
     def add(self, *formulas: Any) -> None:
         """Assert."""
@@ -107,11 +107,19 @@ class Solver:
         self.raw.pop()
 
     def check(self) -> str:
-        """sat, unsat or unknown; an interrupt from the keyboard is raised as such."""
-        answer = str(self.raw.check())
-        if answer == UNKNOWN and self.name == "z3" and "interrupt" in self.raw.reason_unknown():
+        """sat, unsat or unknown (`why` then says more); an interrupt from the keyboard is raised as such."""
+        self.why = ""
+        try:
+            answer = str(self.raw.check())
+        except Exception as error:
+            self.why = f"{type(error).__name__}: {error}"
+            return UNKNOWN
+        if answer in (SAT, UNSAT):
+            return answer
+        self.why = str(self.raw.reason_unknown()) if self.name == "z3" else f"no answer in {self.timeout:g} s"
+        if "interrupt" in self.why:
             raise KeyboardInterrupt
-        return answer if answer in (SAT, UNSAT) else UNKNOWN
+        return UNKNOWN
 
     def model(self) -> Any:
         """The model of the last sat answer."""

@@ -49,7 +49,7 @@ class Value(Term):
         "select(...), &, |, ~ or implies(...)",
     )
     __contains__ = _refuse("`in` cannot decide it", "(x == a) | (x == b)")
-    __iter__ = _refuse("it cannot be iterated over", ".bit(i) for each bit")
+    __iter__ = _refuse("it cannot be iterated over", ".bit(i) on a word, bit by bit")
     __len__ = _refuse("it has no Python length", "its width as a number")
     __index__ = _refuse("it cannot be an index or a range bound", "select(...) over the cases")
     __int__ = _refuse("it has no single number", "the term itself")

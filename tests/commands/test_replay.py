@@ -14,6 +14,18 @@ def test_a_counterexample_comes_out_again_without_a_solver(run: Run, monkeypatch
     assert called.out.splitlines()[0].split()[0] == "step"
 
 
+def test_a_scripted_counterexample_is_run_from_the_proof_file(run: Run, project: Path) -> None:
+    path = project / "proofs/counter.py"
+    script = 'scenario=Scenario(steps=20, inputs={"pulse": True}, present=["alarm.out stuck-at-0"])'
+    text = path.read_text().replace("faults=alarm_stuck,", f"faults=alarm_stuck, {script},")
+    path.write_text(text.replace("VACUOUS, Bit,", "VACUOUS, Bit, Scenario,"))
+    run("prove", "-q", "-k", "fault", "--json", "out.json")
+    assert document(project / "out.json")["claims"][0]["counterexample"]["stimulus"] is None
+    assert run("replay", "counter.alarm_at_twelve_with_a_fault").code == 0
+    path.write_text(path.read_text().replace('"pulse": True', '"pulse": False'))
+    assert run("replay", "counter.alarm_at_twelve_with_a_fault").code == 1
+
+
 def test_out_of_kept_results_as_json_and_waveform(run: Run, project: Path) -> None:
     run("prove", "-q", "--json", "out.json")
     (project / ".rightside/last.json").unlink()

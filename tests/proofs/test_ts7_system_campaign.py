@@ -1,4 +1,4 @@
-"""The campaigns over the whole of TS-7: hand-made expectations, and no contradiction to the cut sets that are proved."""
+"""The campaigns over the whole of TS-7: expectations made by hand, and no contradiction to the proved cut sets."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from proofs.ts7_hazards import overspeed_without_brake
 from proofs.ts7_system_campaign import STRIKE, TOO_FAST, overspeed, pairs, roll_back
 from safety import ANY_TIME
 from safety.faults import Fault
-from safety.inject import Campaign, CampaignError, Group
+from safety.inject import Group
 from safety.inject.classes import Tally
 from safety.inject.result import Result
 from safety.prove.hazards import cut_sets, hazards
@@ -139,25 +139,26 @@ def effect(fault: Fault) -> tuple[str, tuple[str, ...]]:
     return kinds.get(str(fault.kind), str(fault.kind)), tuple(fault.points)
 
 
+def name_of(known: list[Fault], fault: Fault) -> str | None:
+    """Under which name the proof has this fault, if it has it."""
+    return next((other.name for other in known if effect(other) == effect(fault)), None)
+
+
 def test_dangerous_single_faults_are_the_proved_cut_sets(both: Result, known: list[Fault]) -> None:
     hazard = next(h for h in hazards() if h.id.endswith(f".{overspeed_without_brake.__name__}"))
     proved = cut_sets(replace(hazard, most=1))
     assert proved.complete_to == 1
     assert {name for one in proved.sets for name in one.faults} == SINGLES
-    wrong = {i.faults[0] for i, cell in both.injections() if cell.startswith("wrong")}
-    assert {fault.name for fault in wrong if fault in known} == SINGLES
-    effects = {effect(fault): fault.name for fault in known}
-    also = {effects[effect(fault)] for fault in wrong if fault not in known and effect(fault) in effects}
-    assert also == {"speed generator dead", "wheel switch on 780 mm", "NB output welded"}
+    names = {fault.name for fault in known}
+    wrong = [i.faults[0] for i, cell in both.injections() if cell.startswith("wrong")]
+    assert {fault.name for fault in wrong if fault.name in names} == SINGLES
+    also = {name_of(known, fault) for fault in wrong if fault.name not in names}
+    assert also - {None} == {"speed generator dead", "wheel switch on 780 mm", "NB output welded"}
 
 
 def test_the_same_effect_comes_to_the_same_cell_under_both_names(both: Result, known: list[Fault]) -> None:
-    effects = {effect(fault): fault.name for fault in known}
-    twins = {
-        i.faults[0].name: effects[effect(i.faults[0])]
-        for i, _ in both.injections()
-        if i.faults[0] not in known and effect(i.faults[0]) in effects
-    }
+    twins = {i.faults[0].name: name_of(known, i.faults[0]) for i, _ in both.injections() if i.group != "proof"}
+    twins = {name: twin for name, twin in twins.items() if twin}
     assert len(twins) == 25
     assert {name: cells(both)[name] for name in twins} == {name: cells(both)[twin] for name, twin in twins.items()}
 
@@ -255,17 +256,8 @@ def test_the_healthy_ride_brakes_at_overspeed_only() -> None:
 
 def test_less_time_than_the_brake_needs_is_noticed() -> None:
     hasty = replace(TOO_FAST, allowed=16 * 32)
-    declared: Campaign = replace(
-        overspeed, id="hasty", stimulus=hasty, measured=hasty.measured, block=hasty.block, sample=1
-    )
-    with pytest.raises(CampaignError, match="the fault-free run is judged wrong/no"):
-        declared.inject()
-
-
-def test_a_ride_without_overspeed_has_no_dangerous_fault_and_is_noticed() -> None:
-    slow = replace(TOO_FAST, speed=0)
-    with pytest.raises(CampaignError, match="the fault-free run is judged wrong/no"):
-        replace(overspeed, id="slow", stimulus=slow, sample=1).inject()
+    declared = replace(overspeed, id="hasty", stimulus=hasty, measured=hasty.measured, block=hasty.block)
+    assert declared.replay(None).cell == "wrong/no"
 
 
 def test_declaring_loads_neither_numpy_nor_a_solver() -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from models.ts7.parts import HALF, QUARTER, CheckWindow
-from safety import Bit, UInt, bit
+from safety import Bit, UInt, bit, select
 
 
 class Blind(CheckWindow):
@@ -28,12 +28,11 @@ class HalfIsNormal(CheckWindow):
 
 
 class SignedCount(CheckWindow):
-    """The count is compared as a signed number of eight bits, and its size only: 192 reads as -64, less than a half."""
+    """The count is taken as a signed number of eight bits and judged by its size: 190 reads as -66 and passes."""
 
     def normal(self, counted: UInt) -> Bit:
-        size = counted.low(8)
-        size = size.bit(7).select(256 - size, size)
-        return (size > QUARTER) & (size < HALF)
+        count = counted.low(8)
+        return super().normal(select(count.bit(7), (256 - count).sat(8), count))
 
 
 class CountNotReset(CheckWindow):

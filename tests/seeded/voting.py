@@ -66,9 +66,9 @@ class ChannelUpWithoutSupply(ChannelRelays):
     """The relays of a channel stay up when its supply is lost."""
 
     def step(self, drive: Bit, cut: Bit, supply: Bit) -> tuple[ChannelUpWithoutSupply, Vote]:
-        fed = point("supply", supply)
+        point("supply", supply)  # a place for faults, though nothing is fed
         chr_relay, in_service = self.chr_relay.step(~cut)
-        nbrr_relay, runs = self.nbrr_relay.step(in_service & drive & (fed | ~fed))
+        nbrr_relay, runs = self.nbrr_relay.step(in_service & drive)
         return type(self)(chr_relay=chr_relay, nbrr_relay=nbrr_relay), Vote(chr=in_service, nbrr=runs)
 
 

@@ -18,6 +18,8 @@ CALM = settings(
     deadline=None,
     database=None,
     derandomize=True,
+    report_multiple_bugs=False,
+    phases=[Phase.generate, Phase.shrink],
     suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large],
 )
 
