@@ -24,7 +24,7 @@ from proofs.ts7_campaign import channel_single_stuck, ring_single_stuck
 from proofs.ts7_parts import BIT_BY_BIT_ONLY, CHANNEL, COMPONENTS, INVENTED_COMPONENTS, component_rate
 from safety.inject.fmeda import Row
 from safety.inject.result import Result
-from safety.rates.claims import printed, rate
+from safety.rates.claims import Target, printed, rate
 from safety.rates.enclosure import Enclosure, Estimate
 from safety.rates.inverse import solve_decreasing
 from safety.rates.markov import Chain, mean_time
@@ -38,6 +38,11 @@ TARGET = MTBF.value
 BY_ROOT, BY_CHAIN = "root of the formula", "bisection on the Markov chain, exact"
 
 
+def specified(text: str, digits: int | None = None) -> Target:
+    """A figure of the specification, to its digits; it was derived there, and only the 30 000 h are published."""
+    return printed(text, digits)._replace(text=f"{text} of the specification")
+
+
 def needed(build: Callable[[Fraction], Chain]) -> Enclosure:
     """The rate at which a chain fails after 30 000 h in the mean."""
     return solve_decreasing(lambda x: mean_time(build(x), {FAILED}), TARGET)
@@ -48,13 +53,13 @@ def needed(build: Callable[[Fraction], Chain]) -> Enclosure:
 rate(
     id="ts7.mtbf.first-failure", unit="1/h", source="[D] any first failure, in series",
     quantity="rate of all channels and the common part together that makes the first failure come after 30 000 h",
-    target=printed("3.3333e-5 /h"), inputs={"MTBF": MTBF},
+    target=specified("3.3333e-5 /h"), inputs={"MTBF": MTBF},
     routes={"1 / 30 000 h": lambda: 1 / TARGET, BY_CHAIN: lambda: needed(lambda x: Chain("up", {("up", FAILED): x}))},
 )  # fmt: skip
 
 rate(
     id="ts7.mtbf.no-repair", unit="1/h", source="[D] E8", inputs={"MTBF": MTBF},
-    quantity="failure rate of a channel, two out of three without repair", target=printed("2.77778e-5 /h"),
+    quantity="failure rate of a channel, two out of three without repair", target=specified("2.77778e-5 /h"),
     routes={"E8 solved": lambda: Fraction(5, 6) / TARGET, BY_ROOT: lambda: channel_rate_for(TARGET),
             BY_CHAIN: lambda: needed(chain)},
 )  # fmt: skip
@@ -69,7 +74,7 @@ rate(
 
 for share, shown in (("0.1", "2.6114e-5 /h"), ("0.25", "2.3932e-5 /h"), ("0.5", "2.0952e-5 /h")):
     rate(
-        id=f"ts7.mtbf.common-{share}", unit="1/h", source="[D] E9", target=printed(shown),
+        id=f"ts7.mtbf.common-{share}", unit="1/h", source="[D] E9", target=specified(shown),
         quantity=f"failure rate of a channel, no repair, common part failing {share} times as often as a channel",
         inputs={"MTBF": MTBF, "share": quantity(share, "A", "rate of the common part for each of a channel")},
         routes={BY_ROOT: lambda k=Fraction(share): channel_rate_for(TARGET, common_per_channel=k),
@@ -78,7 +83,7 @@ for share, shown in (("0.1", "2.6114e-5 /h"), ("0.25", "2.3932e-5 /h"), ("0.5", 
 
 for hours, shown in ((8, "1180 h"), (24, "2019 h"), (72, "3424 h"), (168, "5095 h")):
     rate(
-        id=f"ts7.mtbf.repair-{hours}h", unit="h", source="[D] E10", target=printed(shown, digits=4),
+        id=f"ts7.mtbf.repair-{hours}h", unit="h", source="[D] E10", target=specified(shown, digits=4),
         quantity=f"MTBF of a channel, two out of three, failed channel exchanged in {hours} h",
         inputs={"MTBF": MTBF, "repair": quantity(f"{hours} h", "A", "mean time to exchange a channel")},
         routes={BY_ROOT: lambda m=Fraction(1, hours): channel_rate_for(TARGET, repair=m).reciprocal(),
@@ -88,7 +93,7 @@ for hours, shown in ((8, "1180 h"), (24, "2019 h"), (72, "3424 h"), (168, "5095 
 A_DAY = Fraction(1, 24)
 for channel, shown in ((5_000, "36 085 h"), (10_000, "31 337 h"), (20_000, "30 325 h"), (36_000, "30 100 h")):
     rate(
-        id=f"ts7.mtbf.common-part-{channel}h", unit="h", source="[D] E10", target=printed(shown, digits=5),
+        id=f"ts7.mtbf.common-part-{channel}h", unit="h", source="[D] E10", target=specified(shown, digits=5),
         quantity=f"MTBF of the common part, channel MTBF {channel} h, exchanged in 24 h",
         inputs={"MTBF": MTBF, "channel": quantity(f"{channel} h", "A"), "repair": quantity("24 h", "A")},
         routes={BY_ROOT: lambda x=Fraction(1, channel): common_rate_for(TARGET, x, A_DAY).reciprocal(),
@@ -96,7 +101,7 @@ for channel, shown in ((5_000, "36 085 h"), (10_000, "31 337 h"), (20_000, "30 3
     )  # fmt: skip
 
 rate(
-    id="ts7.mtbf.common-rate", unit="1/h", source="[D] E10", target=printed("3.1911e-5 /h"),
+    id="ts7.mtbf.common-rate", unit="1/h", source="[D] E10", target=specified("3.1911e-5 /h"),
     quantity="failure rate of the common part, channel MTBF 10 000 h, exchanged in 24 h",
     inputs={"MTBF": MTBF, "channel": quantity("10 000 h", "A"), "repair": quantity("24 h", "A")},
     routes={BY_ROOT: lambda: common_rate_for(TARGET, Fraction(1, 10_000), A_DAY),

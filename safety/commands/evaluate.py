@@ -93,6 +93,26 @@ def fitting(model: type[Model], settings: Mapping[str, Value]) -> dict[str, Valu
     return {name: value for name, value in settings.items() if has_parameter(model, name)}
 
 
+def fitting_claim(claim: Claim, settings: Mapping[str, Value]) -> dict[str, Value]:
+    """The settings that name a parameter of a claim's model, or of the one that it refines."""
+    upper = fitting(claim.refinement.upper, settings) if claim.refinement is not None else {}
+    return {**upper, **fitting(claim.model, settings)}
+
+
+def models_of(project: Project, item: Item) -> list[type[Model]]:
+    """The models that an item is about."""
+    match item.section:
+        case "claims":
+            claim = find(project.claims, item.id)
+            return [claim.model, *([claim.refinement.upper] if claim.refinement is not None else [])]
+        case "trees":
+            return [find(project.hazards, item.id).claim.model]
+        case "campaigns":
+            model = find(project.campaigns, item.id).model
+            return [model] if isinstance(model, type) else []
+    return []
+
+
 def has_parameter(model: type[Model], name: str) -> bool:
     """Whether a setting's name (or pattern) fits a parameter of the model."""
     try:
@@ -108,7 +128,7 @@ def _claim(project: Project, item: Item, order: Order, note: Note) -> Answer:
     from safety.prove.record import claim_entry
 
     claim = find(project.claims, item.id)
-    outcome = prove(claim, Limits(order.timeout), fitting(claim.model, order.settings))
+    outcome = prove(claim, Limits(order.timeout), fitting_claim(claim, order.settings))
     entry, trace = claim_entry(outcome), outcome.counterexample
     if trace is None:
         return Answer(item, entry)

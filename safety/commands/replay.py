@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from safety.commands import CommandError, memory, options
-from safety.commands.evaluate import find, fitting
+from safety.commands.evaluate import find, fitting, fitting_claim
 from safety.commands.output import probe
 from safety.commands.runs import add_signals, chosen_signals, moving, show_run
 from safety.commands.stimulus import rerun
@@ -124,16 +124,17 @@ def _claim(project: Project, name: str, recorded: Recorded) -> Replayed:
         verdict = f"is {recorded.entry['verdict']}" if recorded.entry else "has no result yet"
         raise CommandError(f"{name} {verdict}: there is no run to show; `rightside prove -k {name}` looks for one")
     claim = find(project.claims, name)
+    settings = fitting_claim(claim, recorded.settings)
+    build = build_problem if claim.refinement is None else build_refinement
+    problem = build(claim, settings)
     given = counterexample.get("stimulus")
-    if given is None and claim.scenario is None:
-        raise CommandError(f"{name}: these results do not say what its run was given; `rightside prove -k {name}` does")
-    settings = fitting(claim.model, recorded.settings)
-    problem = build_refinement(claim) if claim.refinement is not None else build_problem(claim, settings)
     if given is not None:
         trace = rerun(observed(problem), given, counterexample["steps"])
-    else:
+    elif claim.scenario is not None:
         script = search.scripted(problem, claim.scenario)
         trace = search.cut_at(script, "claim.holds", False) or script
+    else:
+        raise CommandError(f"{name}: these results do not say what its run was given; `rightside prove -k {name}` does")
     same = not trace["claim.holds"][-1] and all(trace["claim.given"])
     how = "false" if not trace["claim.holds"][-1] else "true"
     return Replayed(trace, same, f"{name} is {how} at step {len(trace) - 1}", story(trace, problem))

@@ -14,13 +14,14 @@ from pathlib import Path
 from typing import Any
 
 from safety.commands import INPUT_ERROR, INTERRUPTED, CommandError, memory
-from safety.commands.evaluate import Answer, Order, find, fitting, has_parameter, without_result
+from safety.commands.evaluate import Answer, Order, fitting, has_parameter, models_of, without_result
 from safety.commands.options import cores
 from safety.commands.output import probe, write, write_json
 from safety.commands.screen import Screen
 from safety.commands.selection import Item, items, select
 from safety.commands.versions import versions
 from safety.commands.workers import Workers
+from safety.model import Model
 from safety.project import MODELS, PROOFS, Problem, Project, open_project
 from safety.report import terminal
 from safety.report.results import Results, ResultsError, empty, exit_code, merge, validate
@@ -121,11 +122,13 @@ class Session:
 
     def _check(self, order: Order) -> None:
         """Refuse settings that no model has or that are out of range, before anything runs."""
-        models = {id(m): m for m in (_model(self.project, item) for item in self.chosen) if m is not None}
+        if not order.settings:
+            return
+        models = _models(self.project, self.chosen)
         for name in order.settings:
-            hit = [model for model in models.values() if has_parameter(model, name)]
+            hit = [model for model in models if has_parameter(model, name)]
             if models and not hit:
-                self._refuse(list(models.values()), name)
+                self._refuse(models, name)
             for model in hit:
                 trace(model, fitting(model, order.settings))
 
@@ -221,7 +224,7 @@ def work(args: Namespace, *sections: str, tables: bool = False, whole: bool = Fa
 def parameters(project: Project, chosen: Sequence[Item]) -> list[dict[str, Any]]:
     """The parameters of every model that is worked on, with unit, range, source and its tag."""
     found = {}
-    for model in dict.fromkeys(filter(None, (_model(project, item) for item in chosen))):
+    for model in _models(project, chosen):
         for each in trace(model, fitting(model, project.config.settings)).settings.values():
             entry = {"id": each.path, "model": model.__name__, "value": each.value, "unit": each.unit, "tag": each.tag}
             limits = {"low": each.low, "high": each.high, "note": each.source}
@@ -234,14 +237,6 @@ def _plain(value: Any) -> Any:
     return float(value) if isinstance(value, Fraction) else value
 
 
-def _model(project: Project, item: Item) -> Any:
-    """The model class of an item, if it has one."""
-    match item.section:
-        case "claims":
-            return find(project.claims, item.id).model
-        case "trees":
-            return find(project.hazards, item.id).claim.model
-        case "campaigns":
-            model = find(project.campaigns, item.id).model
-            return model if isinstance(model, type) else None
-    return None
+def _models(project: Project, chosen: Sequence[Item]) -> list[type[Model]]:
+    """All models that items are about, each once."""
+    return [*dict.fromkeys(model for item in chosen for model in models_of(project, item))]

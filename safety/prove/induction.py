@@ -21,6 +21,8 @@ from safety.prove.solve import SAT, UNKNOWN, UNSAT, Disagreement, Solver, Unroll
 from safety.system import ModelError
 from safety.terms import Bit, TermError
 
+SECOND_OPINION = 5.0  # seconds for a further solver once one has refuted the obligation
+
 
 @dataclass(frozen=True)
 class Obligation:
@@ -115,9 +117,13 @@ def _discharge(
     """Put each obligation to each solver, up to the first that none of them discharges."""
     answer = Answer(proved=True, agreed_by=list(solvers))
     for one in obligations:
-        replies = {name: ask(problem, one, name, integers, timeout) for name in solvers}
+        replies: dict[str, Reply] = {}
+        results: dict[str, str] = {}
+        for name in solvers:
+            patience = min(timeout, SECOND_OPINION) if SAT in results.values() else timeout
+            replies[name] = ask(problem, one, name, integers, patience)
+            results[name] = replies[name].result
         answer.questions += len(replies)
-        results = {name: reply.result for name, reply in replies.items()}
         if SAT in results.values() and UNSAT in results.values():
             said = ", ".join(f"{name} says {result}" for name, result in results.items())
             raise Disagreement(f"{problem.claim.id}: {one.label}: {said}")

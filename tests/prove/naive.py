@@ -396,10 +396,11 @@ def clause(rng: random.Random, names: list[str]) -> Expr:
 
     conclusion = ("or", some(), ("or", wire(rng, names, 1), some()))
     if rng.random() < 0.3:
-        return conclusion
+        state = ("and", ("is", ("name", "x"), rng.randrange(4)), ("xor", ("name", "y"), ("const", rng.random() < 0.5)))
+        return ("not", state) if rng.random() < 0.5 else conclusion
     if rng.random() < 0.2:
         return ("implies", some(), ("implies", some(), conclusion))
-    return ("implies", some(), conclusion)
+    return ("implies", wire(rng, names, 1) if rng.random() < 0.5 else some(), conclusion)
 
 
 def question(rng: random.Random) -> Question:
@@ -413,9 +414,9 @@ def question(rng: random.Random) -> Question:
     registers = ["x", "y", *flags]
     return Question(
         holds=holds,
-        given=wire(rng, ["p", "q", "x", "y", "good"], 2) if rng.random() < 0.25 else None,
-        start=wire(rng, ["x", "y"], 1) if rng.random() < 0.2 else None,
-        lemmas=tuple(wire(rng, registers, 2) for _ in range(rng.choice([0, 0, 1, 2]))),
+        given=wire(rng, ["p", "q", "x", "y", "good"], 2) if rng.random() < 0.15 else None,
+        start=wire(rng, ["x", "y"], 1) if rng.random() < 0.1 else None,
+        lemmas=tuple(wire(rng, registers, 2) for _ in range(rng.choice([0, 0, 0, 1, 2]))),
         faults=faults,
         most=rng.choice([None, 1, 1, 0]),
         anywhere=rng.random() < 0.1,

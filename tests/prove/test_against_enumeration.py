@@ -18,7 +18,7 @@ from tests.prove import naive, translated
 from tests.prove.naive import Machine, TooLarge, Truth, value
 
 STEPS = 5
-BLOCK = 75
+BLOCK = 200
 
 
 def drawn(seed: int) -> tuple[Machine, Outcome] | None:
@@ -120,12 +120,11 @@ def verdicts(seeds: range) -> Counter[str]:
 @pytest.mark.parametrize("block", range(4))
 def test_no_wrong_verdict(block: int) -> None:
     told = verdicts(range(block * BLOCK, (block + 1) * BLOCK))
-    assert told.total() > BLOCK * 0.8 and told[PROVED] > 5 and told[REFUTED] > 15
+    assert told.total() > BLOCK * 0.8 and min(told[PROVED], told[BOUNDED], told[VACUOUS], told[REFUTED]) > 10
 
 
 def test_all_verdicts_are_met() -> None:
-    told = verdicts(range(10_000, 10_060))
-    assert set(told) == {PROVED, BOUNDED, REFUTED, VACUOUS, UNDECIDED}
+    assert set(verdicts(range(10_000, 10_100))) == {PROVED, BOUNDED, REFUTED, VACUOUS, UNDECIDED}
 
 
 @pytest.mark.slow

@@ -96,7 +96,7 @@ class OffsetAtStop(Channel):
 
 
 class WheelWordOfSevenBits(Channel):
-    """The wheel word loses its highest bit: the speed is taken for a quarter of what it is."""
+    """The wheel word loses its highest bit: the speed is taken for about a quarter of what it is."""
 
     def step(self, word: U8, wheel: U8, lowered: Bit, pulse: Bit, backward: Bit) -> tuple[WheelWordOfSevenBits, Demand]:
         following, demand = super().step(word, wheel & 127, lowered, pulse, backward)
