@@ -45,8 +45,8 @@ A_BRAKES_FIRST = too_fast(0, 3000, start={"a.offset": -4})
 def the_first_to_brake_is_not_lowered(s: Seen) -> Bit:
     """A channel's limit is lowered only within a window of synchronisation, and not if it braked first."""
     sync = s.common.sync
-    late = all_of(*(~s[n].lowered | ~sync[f"first_{n}"] for n in CHANNELS))
-    return implies(any_of(*(s[n].lowered for n in CHANNELS)), sync.window & late)
+    late = all_of(*(~s[n].lowered | ~sync.window[f"first_{n}"] for n in CHANNELS))
+    return implies(any_of(*(s[n].lowered for n in CHANNELS)), sync.window.open & late)
 
 
 @claim(Ts7, symbolic=OFFSETS, expect=REFUTED, twin_of=the_first_to_brake_is_not_lowered, requirement="TS7-8",

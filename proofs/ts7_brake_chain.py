@@ -14,7 +14,16 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from models.ts7.train import PER_WORD
-from proofs.ts7_formulas import PULSE, REFERENCE_FRACTION, SPEED_FRACTION, Formula, braked_and_ahead, latch_at_the_ends, named, potential
+from proofs.ts7_formulas import (
+    PULSE,
+    REFERENCE_FRACTION,
+    SPEED_FRACTION,
+    Formula,
+    braked_and_ahead,
+    latch_at_the_ends,
+    named,
+    potential,
+)
 from safety import Bit, Int, Seen, UInt, age, any_of, at_least, new_fault, select, word
 
 CHANNELS = "abc"

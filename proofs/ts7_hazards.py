@@ -21,7 +21,12 @@ from safety import ANY_TIME, Bit, Scenario, Seen, hazard, implies, persists, str
 
 FAULTS = [replace(fault, onset=ANY_TIME) for fault in component_faults()]
 BLINDING = ("no f_v", "f_p in every frame", "wrong word", "comparator at 0", "latch at release")
-SHARED = ("speed generator dead", "wrong row in all channels", "signal lines wire-ORed with 25", "wheel switch on 780 mm")
+SHARED = (
+    "speed generator dead",
+    "wrong row in all channels",
+    "signal lines wire-ORed with 25",
+    "wheel switch on 780 mm",
+)
 
 
 def silent_ring(s: Seen, n: str) -> Bit:

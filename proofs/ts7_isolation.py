@@ -85,20 +85,20 @@ class Following:
         """Of channel n, while a window is open that has not seen it brake."""
 
         def before(s: Seen, goal: Bit) -> Bit:
-            return implies(s.common.sync.window & ~s.common.sync[f"seen_{n}"], goal)
+            return implies(s.common.sync.window.open & ~s.common.sync.window[f"seen_{n}"], goal)
 
         def gains(s: Seen) -> Bit:
-            spent, reference = s.common.sync.age.int(), s[n].ring.j0.int() + 256 * s[n].div0.n.int()
+            spent, reference = s.common.sync.window.age.int(), s[n].ring.j0.int() + 256 * s[n].div0.n.int()
             gained = potential(s, n) >= 3 * PER_WORD * (spent - self.wrapped) - PER_WORD * self.word
             return before(s, braked_and_ahead(s, n) | (reference >= (self.word - 8) * spent) | gained)
 
         def trips(s: Seen) -> Bit:
-            late, phase = s.common.sync.age.int() - self.ahead, SCALE * s[n].ring.j1.int() + s.axle.phase
+            late, phase = s.common.sync.window.age.int() - self.ahead, SCALE * s[n].ring.j1.int() + s.axle.phase
             due = phase >= self.behind + PER_WORD * (self.word - 4) * late
             return before(s, braked_and_ahead(s, n) | (late <= 0) | due)
 
         def falls(s: Seen) -> Bit:
-            relay, spent = s.common[n].nbrr_relay, s.common.sync.age.int()
+            relay, spent = s.common[n].nbrr_relay, s.common.sync.window.age.int()
             timed = (spent < self.latched + relay.waited.int()) & (relay.waited <= RELEASE)
             return before(s, relay.closed & timed)
 
@@ -120,7 +120,7 @@ def in_service(s: Seen) -> Bit:
 
 def between_windows(s: Seen) -> Bit:
     """Any phases and brake demands; all channels in service, no window open."""
-    return in_service(s) & ~s.common.sync.window
+    return in_service(s) & ~s.common.sync.window.open
 
 
 def spread_of(words: int, line: str, least: int = 2400) -> Formula:

@@ -54,10 +54,10 @@ def three(s: Seen, prefix: str) -> list[Bit]:
 
 def windows_in_order(s: Seen) -> Bit:
     """A window has a channel that braked first, not all three, lasts T_sync at most, and needs all in service."""
-    first, seen, y = three(s.sync, "first_"), three(s.sync, "seen_"), s.sync
-    inside = any_of(*first) & ~all_of(*first) & (y.age < y.frames) & ~any_of(*three(y, "cut_"))
-    outside = ~any_of(*first, *seen) & (y.age == 0)
-    return select(y.window, inside, outside) & all_of(*(implies(f, n) for f, n in zip(first, seen, strict=True)))
+    first, seen, y = three(s.sync.window, "first_"), three(s.sync.window, "seen_"), s.sync
+    inside = any_of(*first) & ~all_of(*first) & (y.window.age < y.frames) & ~any_of(*three(y, "cut_"))
+    outside = ~any_of(*first, *seen) & (y.window.age == 0)
+    return select(y.window.open, inside, outside) & all_of(*(implies(f, n) for f, n in zip(first, seen, strict=True)))
 
 
 def at_most_one_cut(s: Seen) -> Bit:
@@ -75,7 +75,7 @@ def no_fault_found(s: Seen) -> Bit:
            "supply": True, "b.drive": True, "c.drive": True, "a.drive": lambda k: k < 1000}))  # fmt: skip
 def only_channels_that_follow_late_are_lowered(s: Seen) -> Bit:
     """Whatever the channels do: limits are lowered in a window only, never all three, with nobody isolated."""
-    lowered = [s.sync.window & ~f for f in three(s.sync, "first_")]
+    lowered = [s.sync.window.open & ~f for f in three(s.sync.window, "first_")]
     return implies(any_of(*lowered), s.synchronising & ~all_of(*lowered) & ~any_of(*three(s.sync, "cut_")))
 
 
@@ -94,7 +94,7 @@ def at_most_one_is_ever_isolated(s: Seen) -> Bit:
 
 def agree(s: Seen) -> Bit:
     """Channels b and c have both braked in this window, or neither has."""
-    b, c = s.sync.seen_b | s.brakes.b, s.sync.seen_c | s.brakes.c
+    b, c = s.sync.window.seen_b | s.brakes.b, s.sync.window.seen_c | s.brakes.c
     return ~(b ^ c)
 
 
@@ -131,10 +131,10 @@ def silence_is_timed(n: str) -> Callable[[Seen], Bit]:
 
     def lemma(s: Seen) -> Bit:
         y, t = s.sync, age(silent(s, n), 2 * MOST + 2).int()
-        braking = all_of(*(y[f"seen_{m}"] for m in CHANNELS if m != n))
-        first = y.window & braking & (y.age >= t)
-        between = ~y.window & (t <= y.frames)
-        second = y.window & braking & ~y[f"seen_{n}"] & (y.age + y.frames + 1 >= t)
+        braking = all_of(*(y.window[f"seen_{m}"] for m in CHANNELS if m != n))
+        first = y.window.open & braking & (y.window.age >= t)
+        between = ~y.window.open & (t <= y.frames)
+        second = y.window.open & braking & ~y.window[f"seen_{n}"] & (y.window.age + y.frames + 1 >= t)
         return any_of(*three(y, "cut_")) | (t == 0) | first | between | second
 
     return named(f"the silence of {n} is timed by windows", lemma)
@@ -192,7 +192,7 @@ def silence_ends_in_isolation_by_the_edge_rule(s: Seen) -> Bit:
 
 def unseen_and_silent(s: Seen, n: str) -> Bit:
     """Channel n is silent and has not braked in an open window either."""
-    return silent(s, n) & ~s.sync[f"seen_{n}"]
+    return silent(s, n) & ~s.sync.window[f"seen_{n}"]
 
 
 def timed_by_one_window(n: str) -> Formula:
@@ -200,8 +200,8 @@ def timed_by_one_window(n: str) -> Formula:
 
     def lemma(s: Seen) -> Bit:
         y, t = s.sync, age(unseen_and_silent(s, n), MOST + 1).int()
-        open_ = y.window & all_of(*(y[f"seen_{m}"] for m in CHANNELS if m != n)) & ~y[f"seen_{n}"]
-        return any_of(*three(y, "cut_")) | (t == 0) | (open_ & (y.age + 1 >= t))
+        open_ = y.window.open & all_of(*(y.window[f"seen_{m}"] for m in CHANNELS if m != n)) & ~y.window[f"seen_{n}"]
+        return any_of(*three(y, "cut_")) | (t == 0) | (open_ & (y.window.age + 1 >= t))
 
     return named(f"the silence of {n} is timed by one window", lemma)
 
@@ -238,7 +238,7 @@ def silence_from_the_start_ends_in_isolation_a_frame_earlier(s: Seen) -> Bit:
 
 def alone(s: Seen, n: str) -> Bit:
     """Channel n brakes, the others do not and have not in an open window; all are in service."""
-    others = any_of(*(s.brakes[m] | s.sync[f"seen_{m}"] for m in CHANNELS if m != n))
+    others = any_of(*(s.brakes[m] | s.sync.window[f"seen_{m}"] for m in CHANNELS if m != n))
     return s.brakes[n] & ~others & ~any_of(*three(s, "isolated."))
 
 
@@ -247,7 +247,7 @@ def timed_alone(n: str) -> Formula:
 
     def lemma(s: Seen) -> Bit:
         y, t = s.sync, age(alone(s, n), MOST + 1).int()
-        open_ = y.window & y[f"seen_{n}"] & (y.age + 1 >= t)
+        open_ = y.window.open & y.window[f"seen_{n}"] & (y.window.age + 1 >= t)
         return any_of(*three(y, "cut_")) | (t == 0) | open_
 
     return named(f"the lone brake of {n} is timed by its window", lemma)
@@ -288,7 +288,7 @@ def calm(n: str) -> Callable[[Seen], Bit]:
         counted = 256 * check.count.int() + s[n].ring.j2.int() - 85 * check.frame.int()
         healthy = free_and_behind(s, n) & ~check.faulty & (counted >= 0) & (counted <= 255)
         up = relays.chr_relay.closed & relays.nbrr_relay.closed
-        return faulty(s, n) | (healthy & up & ~any_of(y[f"first_{n}"], y[f"seen_{n}"], y[f"cut_{n}"]))
+        return faulty(s, n) | (healthy & up & ~any_of(y.window[f"first_{n}"], y.window[f"seen_{n}"], y[f"cut_{n}"]))
 
     return named(f"{n} stays free, in service and unseen", lemma)
 

@@ -11,7 +11,22 @@ from models.ts7.system import Ts7
 from models.ts7.train import PER_WORD
 from models.ts7.voting import BothMustBrake
 from proofs.ts7_brake_chain import CHANNELS, Chain, permitted
-from safety import ANY_TIME, PROVED, REFUTED, Bit, Fault, Scenario, Seen, at_most, byzantine, claim, faulty, implies, persists, stuck
+from safety import (
+    ANY_TIME,
+    PROVED,
+    REFUTED,
+    Bit,
+    Fault,
+    Scenario,
+    Seen,
+    at_most,
+    byzantine,
+    claim,
+    faulty,
+    implies,
+    persists,
+    stuck,
+)
 
 OFFSETS = tuple(f"{n}.offset" for n in CHANNELS)  # left open: every healthy channel errs by up to 4 words
 BROKEN_CHANNEL = Chain(words=4, blind=faulty, mute=faulty)
@@ -41,8 +56,9 @@ def brakes_with_one_channel_broken(s: Seen) -> Bit:
 
 
 @claim(
-    Ts7, expect=REFUTED, faults=at_most(1, "channel"), symbolic=(*OFFSETS, "wheel"), twin_of=brakes_with_one_channel_broken,
-    scenario=too_fast(8, 3000, after=2615, start={"a.offset": 4, "b.offset": 4, "c.offset": 4, "wheel": 172}), requirement="TS7-7",
+    Ts7, expect=REFUTED, faults=at_most(1, "channel"), symbolic=(*OFFSETS, "wheel"), requirement="TS7-7",
+    scenario=too_fast(8, 3000, after=2615, start={"wheel": 172, **dict.fromkeys(OFFSETS, 4)}),
+    twin_of=brakes_with_one_channel_broken,
 )  # fmt: skip
 def brakes_in_a_third_of_the_time(s: Seen) -> Bit:
     """Overspeed of 4 words above every healthy limit for 1701 frames applies the normal brake."""
@@ -80,14 +96,20 @@ def brakes_by_rule_b(s: Seen) -> Bit:
     return implies(persists(BROKEN_CHANNEL.overspeed(s), BROKEN_CHANNEL.braked), s.nb)
 
 
-@claim(Ts7, expect=PROVED, symbolic=OFFSETS, faults=at_most(1, [Fault(stuck(1), ["a.lowered"], ANY_TIME)]), requirement="TS7-8", source="[D]")
+@claim(
+    Ts7, expect=PROVED, symbolic=OFFSETS, requirement="TS7-8", source="[D]",
+    faults=at_most(1, [Fault(stuck(1), ["a.lowered"], ANY_TIME)]),
+)  # fmt: skip
 def lowering_only_lowers(s: Seen) -> Bit:
     """The limit in force in a channel is never above its own threshold, also when lowering sticks on."""
     own = {n: (permitted(s) + s[f"{n}.offset"]).sat(8) for n in CHANNELS}
     return (s.a.limit <= own["a"]) & (s.b.limit <= own["b"]) & (s.c.limit <= own["c"])
 
 
-@claim(Ts7, expect=REFUTED, symbolic=OFFSETS, faults=at_most(1, [Fault(byzantine(), ["a.limit"])]), twin_of=lowering_only_lowers, requirement="TS7-8")
+@claim(
+    Ts7, expect=REFUTED, symbolic=OFFSETS, requirement="TS7-8", twin_of=lowering_only_lowers,
+    faults=at_most(1, [Fault(byzantine(), ["a.limit"])]),
+)  # fmt: skip
 def a_broken_matrix_only_lowers(s: Seen) -> Bit:
     """The limit in force in channel a is never above its own threshold, whatever its data matrix delivers."""
     return s.a.limit <= (permitted(s) + s["a.offset"]).sat(8)

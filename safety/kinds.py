@@ -158,5 +158,17 @@ def byzantine() -> Kind:
 
 
 def choose(condition: Bit, then: Term, otherwise: Term) -> Term:
-    """`then` where the condition holds, of any sort."""
+    """`then` where the condition holds, of any sort.
+
+    Where `then` masks `otherwise`, the mask is chosen: the stuck bits of a word stay a flat chain, which solvers need.
+    """
+    if then.op in _NEUTRAL and then.args[0] is otherwise and then.args[1].is_const:
+        neutral = const(_NEUTRAL[then.op](then.sort), then.sort)
+        mask = build("select", (condition, then.args[1], neutral), None, then.sort)
+        return build(then.op, (otherwise, mask), None, then.sort)
     return build("select", (condition, then, otherwise), None, then.sort)
+
+
+_NEUTRAL: dict[str, Callable[[Sort], int]] = {
+    "bor": lambda _: 0, "bxor": lambda _: 0, "band": lambda sort: int(sort.bounds[1]),
+}  # fmt: skip

@@ -8,6 +8,7 @@ becomes a `Problem`; the others count all the same.  Configuration stands in pyp
     timeout = 60              # seconds for one question to a solver
     jobs = 2                  # worker processes; default: as many as there are cores
     report = "reports"        # folder of the report
+    title = "..."             # head of the report; default: the name of the root folder
     settings = {k = 100}      # parameters of the models
 """
 
@@ -66,6 +67,7 @@ class Config:
     timeout: float = 60.0
     jobs: int = 0
     report: str = "reports"
+    title: str = ""
     settings: dict[str, Value] = field(default_factory=dict)
 
 
@@ -175,7 +177,7 @@ class Project:
         from safety.model import Model
 
         found = {}
-        for cls in _below(Model):
+        for cls in filter(steps, _below(Model)):
             package, _, module = cls.__module__.partition(".")
             if package == MODELS and getattr(sys.modules.get(cls.__module__), cls.__name__, None) is cls:
                 found[f"{module}.{cls.__name__}"] = cls
@@ -217,6 +219,7 @@ def read_config(root: Path) -> Config:
         "timeout": (int, Fraction),
         "jobs": (int,),
         "report": (str,),
+        "title": (str,),
         "settings": (dict,),
     }
     for name, value in table.items():
@@ -257,6 +260,11 @@ def _words(error: BaseException) -> str:
         return f"the file ends the program (sys.exit({error.code!r})); a model or proof file only declares"
     text = str(error) or "no message"
     return text if getattr(error, "exit_code", None) == 2 else f"{type(error).__name__}: {text}"
+
+
+def steps(cls: type[Any]) -> bool:
+    """Whether a model can be run; a class that only carries parameters cannot."""
+    return hasattr(cls, "step")
 
 
 def _below(base: type[Any]) -> Iterator[type[Any]]:

@@ -1,4 +1,4 @@
-"""What README and docs say is so: code stands in the files it is said to be from, links lead somewhere, commands exist."""
+"""What README and docs say is so: code stands where it is said to stand, links lead somewhere, commands exist."""
 
 import inspect
 import re
@@ -15,7 +15,8 @@ README = (ROOT / "README.md").read_text(encoding="utf-8")
 
 
 def test_code_in_the_readme_stands_in_the_project() -> None:
-    sources = [path.read_text(encoding="utf-8") for name in ("models", "proofs") for path in (ROOT / name).rglob("*.py")]
+    files = [path for folder in ("models", "proofs") for path in (ROOT / folder).rglob("*.py")]
+    sources = [path.read_text(encoding="utf-8") for path in files]
     blocks = re.findall(r"```python\n(.*?)```", README, re.DOTALL)
     assert len(blocks) == 2
     for block in blocks:

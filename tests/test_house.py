@@ -222,3 +222,26 @@ def test_a_registry_is_found() -> None:
 @pytest.mark.parametrize("text", ["<root></root>", "net/work", "./tmp/x", "and/or", "{base}/opt"])
 def test_ordinary_text_is_not_taken_for_a_machine_path(text: str) -> None:
     assert strange_places(text) == []
+
+
+def code_lines(node: ast.AST, source: list[str]) -> int:
+    """Lines of a class or function that are neither blank nor comment nor docstring."""
+    told: set[int] = set()
+    for inner in ast.walk(node):
+        if isinstance(inner, ast.ClassDef | ast.FunctionDef) and ast.get_docstring(inner):
+            told |= set(range(inner.body[0].lineno, (inner.body[0].end_lineno or 0) + 1))
+    lines = [source[n - 1].strip() for n in range(node.lineno, node.end_lineno + 1) if n not in told]
+    return sum(1 for line in lines if line and not line.startswith("#"))
+
+
+@pytest.mark.parametrize(("folder", "kind", "most"), [("models", ast.ClassDef, 24), ("proofs", ast.FunctionDef, 14)])
+def test_a_part_of_a_model_and_a_claim_are_read_at_a_glance(folder: str, kind: type, most: int) -> None:
+    long = []
+    for path in python_files(ROOT / folder):
+        text = path.read_text(encoding="utf-8")
+        for node in ast.parse(text).body:
+            if isinstance(node, kind) and (kind is ast.ClassDef or node.decorator_list):
+                first = min([node.lineno, *(d.lineno for d in node.decorator_list)])
+                size = code_lines(node, text.splitlines()) + node.lineno - first
+                long += [f"{path.relative_to(ROOT)} {node.name}: {size}"] if size > most else []
+    assert long == []

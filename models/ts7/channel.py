@@ -25,7 +25,23 @@ class Demand(NamedTuple):
     rev: Bit  # backward and faster than the roll-back limit
 
 
-class Channel(Model, tick_s="125e-6"):
+class ChannelData(Model):
+    """The words that one channel works with, and the limit made from them."""
+
+    offset: Offset = parameter(
+        0, unit="word", within=(-4, 4), source="[A] error e_i of this channel's threshold; accuracy +-2.0 km/h"
+    )
+    lowering: U4 = parameter(4, unit="word", within=(0, 8), source="[A] 1.885 km/h for the printed 2 km/h")
+    check_word: U8 = parameter(85, unit="word", within=(0, 255), source="[R] 256/3, alternate bits")
+    rollback_word: U8 = parameter(11, unit="word", within=(9, 16), source="[A] 5.18 km/h for the printed 5; 13 is 6.13")
+
+    def limit(self, word: UInt, lowered: Bit) -> UInt:
+        """The word against which the speed is checked; a signal 0 or none stays 0 in every channel."""
+        own = select(word == 0, word, (word + self.offset).sat(8))
+        return select(lowered, own.sat_sub(self.lowering), own)
+
+
+class Channel(ChannelData, tick_s="125e-6"):
     """Speed-check channel: ring, dividers, comparators, check window, output drive."""
 
     ring: Words
@@ -35,12 +51,6 @@ class Channel(Model, tick_s="125e-6"):
     rollback: RollBackComparator
     check: CheckWindow
     output: Drive
-    offset: Offset = parameter(
-        0, unit="word", within=(-4, 4), source="[A] error e_i of this channel's threshold; accuracy +-2.0 km/h"
-    )
-    lowering: U4 = parameter(4, unit="word", within=(0, 8), source="[A] 1.885 km/h for the printed 2 km/h")
-    check_word: U8 = parameter(85, unit="word", within=(0, 255), source="[R] 256/3, alternate bits")
-    rollback_word: U8 = parameter(11, unit="word", within=(9, 16), source="[A] 5.18 km/h for the printed 5; 13 is 6.13")
 
     def step(self, word: U8, wheel: U8, lowered: Bit, pulse: Bit, backward: Bit) -> tuple[Channel, Demand]:
         """One frame: `word` of the signal and `wheel` from the matrix, a generator pulse, the sense of rotation."""
@@ -58,8 +68,3 @@ class Channel(Model, tick_s="125e-6"):
             ring=ring, div0=div0, div3=div3, comparator=comparator, rollback=rollback, check=check, output=output
         )  # fmt: skip
         return following, Demand(drive=drive, brake=brake, fault=fault, rev=rev)
-
-    def limit(self, word: UInt, lowered: Bit) -> UInt:
-        """The word against which the speed is checked; a signal 0 or none stays 0 in every channel."""
-        own = select(word == 0, word, (word + self.offset).sat(8))
-        return select(lowered, own.sat_sub(self.lowering), own)

@@ -53,7 +53,21 @@ class Words(Model, tick_s="125e-6"):
         return type(self)(j0=t0.low(8), j1=t1.low(8), j2=t2.low(8), j3=t3.low(8)), overflow
 
 
-class Ring(Model, tick_s="3.90625e-6"):
+class HeldPulses(Model):
+    """Four latches that keep the overflow pulses of a frame until it ends."""
+
+    held0: Bit = power_up(False)
+    held1: Bit = power_up(False)
+    held2: Bit = power_up(False)
+    held3: Bit = power_up(False)
+
+    def hold(self, pulses: list[Bit], begins: Bit) -> dict[str, Bit]:
+        """The latches after a bit time: `begins` a frame, they start empty."""
+        before = (self.held0, self.held1, self.held2, self.held3)
+        return {f"held{w}": (h & ~begins) | p for w, (h, p) in enumerate(zip(before, pulses, strict=True))}
+
+
+class Ring(HeldPulses, tick_s="3.90625e-6"):
     """The ring as built: a shift register of 32 stages, one serial adder, one carry flip-flop.
 
     The overflow pulses stay until the frame ends, so that the outputs of step 31 are those of the whole frame.
@@ -62,10 +76,6 @@ class Ring(Model, tick_s="3.90625e-6"):
     ring: U32 = power_up(ANY)  # stage 0 goes into the adder; J0 stands lowest, each word lowest bit first
     carry: Bit = power_up(ANY)  # cleared before it is used
     place: U5 = power_up(0)  # bit time in the frame: word 0..3 above bit 0..7 [A] a frame starts at power-up
-    held0: Bit = power_up(False)
-    held1: Bit = power_up(False)
-    held2: Bit = power_up(False)
-    held3: Bit = power_up(False)
 
     def step(self, d0: U8, d1: U8, d2: U8, d3: U8, pulse: Bit) -> tuple[Ring, Overflow]:
         """Add one bit; data and `pulse` stay as they are for the 32 steps of a frame."""
@@ -79,13 +89,11 @@ class Ring(Model, tick_s="3.90625e-6"):
         c = point("carry.in", self.carry & ~point("carry.clear", self.clears(p)))
         total = point("sum", a ^ d ^ c)
         carry = point("carry.out", (a & d) | (c & (a ^ d)))
-        pulse_out, kept = carry & enabled & point("overflow.strobe", p == 7), self.place != 0
-        held = [(h & kept) | (j[w] & pulse_out) for w, h in enumerate((self.held0, self.held1, self.held2, self.held3))]
-        following = type(self)(
-            ring=total.word().concat(ring.slice(1, 31)), carry=carry, place=(self.place + 1).low(5),
-            held0=held[0], held1=held[1], held2=held[2], held3=held[3],
-        )  # fmt: skip
-        return following, Overflow(*(point(f"overflow.o{w}", h) for w, h in enumerate(held)))
+        pulse_out = carry & enabled & point("overflow.strobe", p == 7)
+        held = self.hold([word & pulse_out for word in j], begins=self.place == 0)
+        shifted = total.word().concat(ring.slice(1, 31))
+        following = type(self)(ring=shifted, carry=carry, place=(self.place + 1).low(5), **held)
+        return following, Overflow(*(point(f"overflow.o{w}", h) for w, h in enumerate(held.values())))
 
     def clears(self, p: UInt) -> Bit:
         """Each word is added for itself: its lowest bit takes no carry from the word before."""

@@ -18,7 +18,16 @@ from safety import U8, Bit, Int, Model, parameter, point
 WheelError = Annotated[Int, (-4, 4)]
 
 
-class Ts7(Model, tick_s="125e-6"):
+class WheelSwitch(Model):
+    """The one wheel-diameter switch of the common part, and the diameter that the wheel really has."""
+
+    wheel: U8 = parameter(164, unit="5 mm", within=(156, 172), source="[P] switch 780..860 mm; 164 is 820 mm")
+    wheel_error: WheelError = parameter(
+        0, unit="5 mm", within=(-4, 4), source="[A] true minus set diameter; half a step is 1, one step 2"
+    )
+
+
+class Ts7(WheelSwitch, tick_s="125e-6"):
     """ATC equipment TS-7 behind the axle of the train; brake outputs true = brake."""
 
     axle: Axle
@@ -30,10 +39,6 @@ class Ts7(Model, tick_s="125e-6"):
     b: Channel
     c: Channel
     common: CommonPart
-    wheel: U8 = parameter(164, unit="5 mm", within=(156, 172), source="[P] switch 780..860 mm; 164 is 820 mm")
-    wheel_error: WheelError = parameter(
-        0, unit="5 mm", within=(-4, 4), source="[A] true minus set diameter; half a step is 1, one step 2"
-    )
 
     def step(self, lines: Lines, speed: Speed, backward: Bit, inverter: Bit, mg: Bit) -> tuple[Ts7, Output]:
         """One frame: signal lines, true speed (1/4096 word per frame), direction, voltage of the two sources."""
@@ -47,10 +52,8 @@ class Ts7(Model, tick_s="125e-6"):
         b, demand_b = self.b.step(word_b, wheel, lowered.b, seen.pulse, seen.backward)
         c, demand_c = self.c.step(word_c, wheel, lowered.c, seen.pulse, seen.backward)
         common, output = self.common.step(demand_a, demand_b, demand_c, supply)
-        following = type(self)(
-            axle=axle, power=power, lines_a=lines_a, lines_b=lines_b, lines_c=lines_c, a=a, b=b, c=c, common=common
-        )  # fmt: skip
-        return following, output
+        channels = {"lines_a": lines_a, "lines_b": lines_b, "lines_c": lines_c, "a": a, "b": b, "c": c}
+        return type(self)(axle=axle, power=power, **channels, common=common), output
 
 
 class RuleB(Ts7, tick_s="125e-6"):

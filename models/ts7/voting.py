@@ -46,14 +46,10 @@ class Relay(Model, tick_s="125e-6"):
         return type(self)(closed=closed, waited=waited), point("contact", closed)
 
 
-class Synchronisation(Model, tick_s="125e-6"):
-    """Brake synchronisation: when the channels disagree, the others are lowered and given a time to follow.
+class Window(Model, tick_s="125e-6"):
+    """The time given to the channels that do not brake yet: its age, who braked first, who has braked since."""
 
-    At the end of the window a channel that stands alone, braking or silent, is isolated for good; a channel whose own
-    check found it faulty is isolated at once.  Brakes means: brakes at any instant of the window.
-    """
-
-    window: Bit = power_up(False)
+    open: Bit = power_up(False)
     age: U13 = power_up(0)
     first_a: Bit = power_up(False)
     first_b: Bit = power_up(False)
@@ -61,33 +57,30 @@ class Synchronisation(Model, tick_s="125e-6"):
     seen_a: Bit = power_up(False)
     seen_b: Bit = power_up(False)
     seen_c: Bit = power_up(False)
-    cut_a: Bit = power_up(False)
-    cut_b: Bit = power_up(False)
-    cut_c: Bit = power_up(False)
-    frames: U13 = parameter(4000, unit="frame", within=(2400, 8000), source="[A] T_sync 0.5 s; 0.3 s at least")
 
-    def step(self, brakes: Trio, starts: Bit, faults: Trio, out_of_service: Bit) -> tuple[Synchronisation, Trio]:
-        """One frame: brake commands, whether one starts now, faults that channels found, any CHR down."""
-        found = Trio(*(cut | fault for cut, fault in zip(self.cut(), faults, strict=True)))
-        single = self.over(found, out_of_service)
-        opens = self.opens(brakes, starts) & ~self.window & ~single
-        last = self.age + 1 >= self.frames
-        stays = self.window & ~single & ~last & ~self.settled(brakes)
-        seen = Trio(*(s | b for s, b in zip((self.seen_a, self.seen_b, self.seen_c), brakes, strict=True)))
-        judged = self.window & last & ~single & ~self.settled(brakes)
-        verdict = (point(f"isolate_{n}", judged & odd) for n, odd in zip("abc", self.odd(seen), strict=True))
-        cut = Trio(*(f | v for f, v in zip(found, verdict, strict=True)))
+    def step(self, brakes: Trio, opens: Bit, stays: Bit) -> Window:
+        """One frame: who brakes at the opening is first, who brakes at any instant is seen."""
         first = Trio(*(select(opens, b, f & stays) for b, f in zip(brakes, self.first(), strict=True)))
-        seen = Trio(*(select(opens, b, s & stays) for b, s in zip(brakes, seen, strict=True)))
-        following = type(self)(
-            window=opens | stays, age=select(stays, (self.age + 1).low(13), 0),
+        seen = Trio(*(select(opens, b, s & stays) for b, s in zip(brakes, self.seen(brakes), strict=True)))
+        return type(self)(
+            open=opens | stays, age=select(stays, (self.age + 1).low(13), 0),
             first_a=first.a, first_b=first.b, first_c=first.c, seen_a=seen.a, seen_b=seen.b, seen_c=seen.c,
-            cut_a=cut.a, cut_b=cut.b, cut_c=cut.c,
         )  # fmt: skip
-        return following, cut
+
+    def first(self) -> Trio:
+        """Channels that braked when the window opened."""
+        return Trio(self.first_a, self.first_b, self.first_c)
+
+    def seen(self, brakes: Trio) -> Trio:
+        """Channels that have braked at any instant of the window, now included."""
+        return Trio(self.seen_a | brakes.a, self.seen_b | brakes.b, self.seen_c | brakes.c)
+
+
+class Rules:
+    """The rules of synchronisation that the variants change."""
 
     def opens(self, brakes: Trio, starts: Bit) -> Bit:
-        """Level rule: whenever one or two channels brake and another does not."""
+        """Level rule: a window opens whenever one or two channels brake and another does not."""
         return disagree(brakes)
 
     def settled(self, brakes: Trio) -> Bit:
@@ -102,9 +95,31 @@ class Synchronisation(Model, tick_s="125e-6"):
         """Who is isolated at the end of a window: the channel that stands alone."""
         return outvoted(seen)
 
-    def first(self) -> Trio:
-        """Channels that braked when the window opened."""
-        return Trio(self.first_a, self.first_b, self.first_c)
+
+class Synchronisation(Rules, Model, tick_s="125e-6"):
+    """Brake synchronisation: when the channels disagree, the others are lowered and given a time to follow.
+
+    At the end of the window a channel that stands alone, braking or silent, is isolated for good; a channel whose own
+    check found it faulty is isolated at once.  Brakes means: brakes at any instant of the window.
+    """
+
+    window: Window
+    cut_a: Bit = power_up(False)
+    cut_b: Bit = power_up(False)
+    cut_c: Bit = power_up(False)
+    frames: U13 = parameter(4000, unit="frame", within=(2400, 8000), source="[A] T_sync 0.5 s; 0.3 s at least")
+
+    def step(self, brakes: Trio, starts: Bit, faults: Trio, out_of_service: Bit) -> tuple[Synchronisation, Trio]:
+        """One frame: brake commands, whether one starts now, faults that channels found, any CHR down."""
+        found = Trio(*(cut | fault for cut, fault in zip(self.cut(), faults, strict=True)))
+        goes_on = self.window.open & ~self.over(found, out_of_service) & ~self.settled(brakes)
+        opens = self.opens(brakes, starts) & ~self.window.open & ~self.over(found, out_of_service)
+        last = self.window.age + 1 >= self.frames
+        odd = self.odd(self.window.seen(brakes))
+        verdict = (point(f"isolate_{n}", goes_on & last & alone) for n, alone in zip("abc", odd, strict=True))
+        cut = Trio(*(f | v for f, v in zip(found, verdict, strict=True)))
+        window = self.window.step(brakes, opens, goes_on & ~last)
+        return type(self)(window=window, cut_a=cut.a, cut_b=cut.b, cut_c=cut.c), cut
 
     def cut(self) -> Trio:
         """Isolated channels: the latches behind the targets."""
@@ -112,7 +127,7 @@ class Synchronisation(Model, tick_s="125e-6"):
 
     def lowered(self) -> Trio:
         """Channels whose limit is lowered now: in a window, all but the first."""
-        return Trio(*(self.window & ~first for first in self.first()))
+        return Trio(*(self.window.open & ~first for first in self.window.first()))
 
 
 class EdgeSynchronisation(Synchronisation, tick_s="125e-6"):
@@ -177,7 +192,19 @@ class Output(NamedTuple):
     synchronising: Bit
 
 
-class CommonPart(Model, tick_s="125e-6"):
+class Votes:
+    """The two votes of the common part."""
+
+    def released(self, runs: Trio, isolated: Trio) -> Bit:
+        """Rule (a): NB is released while two of the three relays NBRR are up."""
+        return at_least(2, *runs)
+
+    def permitted(self, isolated: Trio, rolling_back: Trio) -> Bit:
+        """No EB: not two channels isolated, and none finds the train rolling back."""
+        return ~at_least(2, *isolated) & ~any_of(*rolling_back)
+
+
+class CommonPart(Votes, Model, tick_s="125e-6"):
     """Relays, synchronisation, 2-out-of-3 vote and output of the common part."""
 
     a: ChannelRelays
@@ -201,15 +228,7 @@ class CommonPart(Model, tick_s="125e-6"):
         nb_relay, released = self.nb_relay.step(supply & self.released(runs, isolated))
         eb_relay, permitted = self.eb_relay.step(supply & self.permitted(isolated, Trio(a.rev, b.rev, c.rev)))
         following = type(self)(a=relays_a, b=relays_b, c=relays_c, sync=sync, nb_relay=nb_relay, eb_relay=eb_relay)
-        return following, Output(~released, ~permitted, brakes, isolated, targets, self.sync.window)
-
-    def released(self, runs: Trio, isolated: Trio) -> Bit:
-        """Rule (a): NB is released while two of the three relays NBRR are up."""
-        return at_least(2, *runs)
-
-    def permitted(self, isolated: Trio, rolling_back: Trio) -> Bit:
-        """No EB: not two channels isolated, and none finds the train rolling back."""
-        return ~at_least(2, *isolated) & ~any_of(*rolling_back)
+        return following, Output(~released, ~permitted, brakes, isolated, targets, self.sync.window.open)
 
 
 class BothMustBrake(CommonPart, tick_s="125e-6"):

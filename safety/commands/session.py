@@ -184,7 +184,7 @@ def start(args: Namespace, sections: Sequence[str]) -> Session:
     found = items(project, sections)
     chosen = select(found, args, memory.last(project.root) if args.lf else {})
     results = empty(**versions())
-    results["project"] = project.root.name
+    results["project"] = project.config.title or project.root.name
     results["models"] = texts(project)
     if args.settings:
         results["settings"] = {name: str(value) for name, value in args.settings}

@@ -12,7 +12,6 @@ from safety.inject.classes import Tally, class_of
 from safety.inject.fmeda import Row, rated
 from safety.inject.space import CampaignError, Injection
 from safety.inject.statistics import Share, share, weighted
-from safety.model import Model
 
 if TYPE_CHECKING:
     from safety.inject.campaign import Campaign
@@ -193,10 +192,6 @@ def _json(found: Share | None) -> dict[str, Any] | None:
 
 
 def model_name(campaign: Campaign) -> str:
-    """Full name of the model's class, or the name of a system."""
+    """Name of the model's class, or of a system."""
     model = campaign.model
-    return (
-        f"{model.__module__}.{model.__qualname__}"
-        if isinstance(model, type) and issubclass(model, Model)
-        else model.name
-    )
+    return model.__name__ if isinstance(model, type) else model.name

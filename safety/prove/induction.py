@@ -141,7 +141,7 @@ def ask(problem: Problem, one: Obligation, solver: str, integers: bool, timeout:
     """Ask one solver for a counterexample to an obligation; a solver that is missing or breaks down says `unknown`."""
     try:
         unrolling = Unrolling(problem.system, solver, integers, one.anywhere)
-        asked = Solver(solver, unrolling.k, timeout)
+        asked = Solver(solver, unrolling.k, timeout, finite=not integers)
         for step, formulas in one.assumed:
             asked.add(*unrolling.at(step, formulas))
         asked.add(unrolling.k.Not(unrolling.at(one.step, [one.shown])[0]))

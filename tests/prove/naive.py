@@ -68,12 +68,19 @@ def monitors(e: Expr) -> list[Expr]:
 def premises(e: Expr) -> list[Expr]:
     """What has to happen for the formula to say anything; true where it says something at every step."""
     true: Expr = ("const", True)
+    if not speaks(e):
+        return [true]
     if e[0] == "implies":
         return [("and", e[1], p) for p in premises(e[2])]
     if e[0] == "and":
         found = [p for side in e[1:] for p in premises(side)]
         return [p for p in found if p != true] or [true]
     return [true]
+
+
+def speaks(e: Expr) -> bool:
+    """Whether an expression depends on anything."""
+    return e[0] == "name" or any(isinstance(a, tuple) and speaks(a) for a in e[1:])
 
 
 # --- faults --------------------------------------------------------------------------------------------------------
@@ -412,12 +419,15 @@ def question(rng: random.Random) -> Question:
     if rng.random() < 0.25:
         holds = ("and", holds, clause(rng, names))
     registers = ["x", "y", *flags]
+    given = wire(rng, ["p", "q", "x", "y", "good"], 2) if rng.random() < 0.15 else None
+    if faults and rng.random() < 0.5:  # without this most violations need no fault
+        given = ("and", ("name", "has0"), given) if given else ("name", "has0")
     return Question(
         holds=holds,
-        given=wire(rng, ["p", "q", "x", "y", "good"], 2) if rng.random() < 0.15 else None,
+        given=given,
         start=wire(rng, ["x", "y"], 1) if rng.random() < 0.1 else None,
         lemmas=tuple(wire(rng, registers, 2) for _ in range(rng.choice([0, 0, 0, 1, 2]))),
         faults=faults,
-        most=rng.choice([None, 1, 1, 0]),
+        most=rng.choice([None, 1, 1, 1, 0]),
         anywhere=rng.random() < 0.1,
     )

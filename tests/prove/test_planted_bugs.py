@@ -33,7 +33,7 @@ def lemmas_kept_from_power_up_only(m: pytest.MonkeyPatch) -> None:
 
 
 def the_first_lemma_only(m: pytest.MonkeyPatch) -> None:
-    m.setattr(induction, "invariance", lambda p: [o for o in invariance(p) if list(p.lemmas)[0] in o.label])
+    m.setattr(induction, "invariance", lambda p: [o for o in invariance(p) if f"'{next(iter(p.lemmas))}'" in o.label])
 
 
 def no_first_steps(m: pytest.MonkeyPatch) -> None:
@@ -158,7 +158,7 @@ PLANTS: dict[str, Plant] = {
     "one step less": one_step_less,
     "not the shortest": not_the_shortest,
     "never refuted": unknown_taken_for_unsat,
-    "once forgets": monitor("once", lambda s: replace(s, next=s.next.args[1])),
+    "once forgets": monitor("once", lambda s: replace(s, next=s.var)),
     "age forgets nothing": monitor("age", lambda s: replace(s, next=s.next.args[1])),
     "previous is true at first": monitor("previous", lambda s: replace(s, power_up=True)),
     "total starts at one": monitor("total", lambda s: replace(s, power_up=1)),

@@ -118,7 +118,7 @@ class LowersAll(Synchronisation):
     """In a window all limits are lowered, also that of the channel that braked first."""
 
     def lowered(self) -> Trio:
-        return Trio(self.window, self.window, self.window)
+        return Trio(*(self.window.open for _ in range(3)))
 
 
 class OnlyWhenOneStarts(Synchronisation):

@@ -15,9 +15,9 @@ from models.ts7.parts import CheckWindow, Comparator, Divider, Drive
 from models.ts7.signals import Lines, Selection, WiredOr
 from models.ts7.train import PER_WORD, SCALE, Bench
 from safety.faults import Fault, instrument, stuck
-from safety.tracing import trace
 from safety.terms.texts import compile_lanes, lane_type
 from safety.trace import Trace, run
+from safety.tracing import trace
 
 REST = {"true_wheel": 164, "wheel": 164, "lowered": False, "backward": False}
 

@@ -10,9 +10,9 @@ import pytest
 
 from models.ts7.ring import BITS_A_FRAME, Overflow, Ring, Words
 from safety.faults import Fault, instrument, stuck
-from safety.tracing import trace
 from safety.system import repeat
 from safety.trace import run
+from safety.tracing import trace
 
 FRAME = repeat(trace(Ring), BITS_A_FRAME)
 OUT = Overflow._fields

@@ -12,9 +12,9 @@ from models.ts7.numbers import SPEEDS
 from models.ts7.system import EdgeRule, RuleB, Settling, Ts7, WiredSignals
 from models.ts7.train import PER_WORD
 from safety.faults import Fault, instrument, schedule, stuck, welded
-from safety.tracing import trace
 from safety.system import System
 from safety.trace import Trace, run
+from safety.tracing import trace
 
 SEEN = [
     "nb", "eb", "synchronising",

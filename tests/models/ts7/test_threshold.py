@@ -14,8 +14,8 @@ import pytest
 
 from models.ts7.threshold import BothRemaining, Thresholds
 from safety.faults import Fault, instrument, stuck
-from safety.tracing import trace
 from safety.trace import Stepper, initial_state, run
+from safety.tracing import trace
 
 JUST = Fraction(1, 100)
 

@@ -68,15 +68,15 @@ def windows(model: type[Synchronisation], brakes: Callable[[int], str], frames: 
 def test_window_outcomes(brakes: Callable[[int], str], isolated: str) -> None:
     got, seen = windows(Synchronisation, brakes, 4004)
     assert got == isolated
-    lowered = [not first and window for first, window in zip(seen["first_a"], seen["window"], strict=True)]
+    lowered = [not first and window for first, window in zip(seen["window.first_a"], seen["window.open"], strict=True)]
     if brakes(0) == "a":
-        assert seen["window"].index(True) == 1 and sum(seen["window"][:4002]) == 4000
+        assert seen["window.open"].index(True) == 1 and sum(seen["window.open"][:4002]) == 4000
         assert not any(lowered)
 
 
 def test_no_synchronisation_after_an_isolation() -> None:
     got, seen = windows(Synchronisation, lambda k: "a" if k < 5000 else "ab", 14_000)
-    assert got == "a" and sum(seen["window"]) == 4000
+    assert got == "a" and sum(seen["window.open"]) == 4000
 
 
 def test_a_channel_that_falls_silent_while_all_brake() -> None:
