@@ -55,8 +55,8 @@ def brakes(s: Seen) -> Bit:
 def defeated(*faults: Fault, source: str) -> Callable[[Formula], Formula]:
     """Declare: refuted by the run in which just these faults strike."""
     run = too_fast(8, CHAIN.braked + 100, present=[f.name for f in faults], at=LATE)
-    return claim(Ts7, faults=any_of_faults(faults), expect=REFUTED, scenario=run, requirement="TS7-16", source=source,
-                 twin_of=brakes_with_one_channel_broken)  # fmt: skip
+    return claim(Ts7, faults=any_of_faults(faults), expect=REFUTED, defeat=True, scenario=run, requirement="TS7-16",
+                 source=source, twin_of=brakes_with_one_channel_broken)  # fmt: skip
 
 
 # --- common causes -------------------------------------------------------------------------------------------------
@@ -80,7 +80,7 @@ def brakes_with_wire_ored_rows(s: Seen) -> Bit:
     return brakes(s)
 
 
-@claim(WiredSignals, expect=REFUTED, requirement="TS7-16", source="[A] lines wire-ORed",
+@claim(WiredSignals, expect=REFUTED, defeat=True, requirement="TS7-16", source="[A] lines wire-ORed",
        twin_of=brakes_with_one_channel_broken, scenario=Scenario(8000, {"lines.s25": True, "lines.s65": True,
        "inverter": True, "speed": lambda k: PER_WORD * (30 if k < LATE else 100)}))  # fmt: skip
 def brakes_with_two_lines_on_wired_rows(s: Seen) -> Bit:
@@ -122,7 +122,7 @@ def demands_with_the_wheel_one_step_too_small(s: Seen) -> Bit:
     return implies(persists(two_too_fast(s), SLOWEST), s.a.brake)
 
 
-@claim(Ts7, faults=any_of_faults([TOO_SMALL[2]]), expect=REFUTED, requirement="TS7-16", source="[P] one switch for all",
+@claim(Ts7, faults=any_of_faults([TOO_SMALL[2]]), expect=REFUTED, defeat=True, requirement="TS7-16", source="[P] one switch for all",
        scenario=at_92(2), twin_of=demands_with_the_wheel_one_step_too_small)  # fmt: skip
 def demands_with_the_wheel_two_steps_too_small(s: Seen) -> Bit:
     """Two steps too small: 2.0 km/h above 90 no channel demands the brake, and none ever will."""
@@ -149,7 +149,7 @@ def brakes_with_two_silent_channels(s: Seen) -> Bit:
     return brakes(s)
 
 
-@claim(Ts7, faults=any_of_faults(SILENT_PAIR), expect=REFUTED, requirement="TS7-16", source="[P] 1.6",
+@claim(Ts7, faults=any_of_faults(SILENT_PAIR), expect=REFUTED, defeat=True, requirement="TS7-16", source="[P] 1.6",
        twin_of=brakes_with_one_channel_broken, scenario=too_fast(8, CHAIN.braked + 6000,
        present=[f.name for f in SILENT_PAIR], at=LATE))  # fmt: skip
 def the_healthy_channel_stays_in_service(s: Seen) -> Bit:

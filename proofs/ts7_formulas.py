@@ -85,7 +85,7 @@ def wheel_set_right(s: Seen) -> Bit:
     return (s.wheel == s.true_wheel) & (s.wheel >= SMALLEST_WHEEL) & (s.wheel <= LARGEST_WHEEL)
 
 
-# --- lemmas: invariants of the registers -------------------------------------------------------------------------------
+# --- lemmas: invariants of the registers ---------------------------------------------------------------------------
 
 
 def named(name: str, formula: Formula) -> Formula:

@@ -162,7 +162,7 @@ def declared_at(line: str) -> Formula:
 WITHIN_ONE_WORD = {line: declared_at(line) for line in T_SYNC_OF}
 
 
-@claim(Ts7, expect=REFUTED, settings={"a.offset": -2, "b.offset": 2, "c.offset": 2}, requirement="TS7-10",
+@claim(Ts7, expect=REFUTED, defeat=True, settings={"a.offset": -2, "b.offset": 2, "c.offset": 2}, requirement="TS7-10",
        source="[A] +-2.0 km/h as words", twin_of=WITHIN_ONE_WORD["s65"],
        scenario=released_then(1500, lambda k: 136.5, 16_000))  # fmt: skip
 def nobody_isolated_within_four_words(s: Seen) -> Bit:
@@ -170,7 +170,7 @@ def nobody_isolated_within_four_words(s: Seen) -> Bit:
     return nobody_isolated(s)
 
 
-@claim(Ts7, given=spread_of(2, "s75"), start=between_windows, anywhere=True, symbolic=OPEN, expect=REFUTED,
+@claim(Ts7, given=spread_of(2, "s75"), start=between_windows, anywhere=True, symbolic=OPEN, expect=REFUTED, defeat=True,
        requirement="TS7-10", source="[A] T_sync 0.5 s", twin_of=WITHIN_ONE_WORD["s75"],
        scenario=Scenario(4200, {"lines.s75": True, "inverter": True, "speed": 161 * PER_WORD + 1}, {
            "wheel": 172, "axle.phase": 374_807, "a.offset": 2, "a.comparator.u": 3, "a.comparator.latch": True,
@@ -197,15 +197,16 @@ def nobody_isolated_after_all_released(s: Seen) -> Bit:
     return isolation_needs_a_brake(s)
 
 
-@claim(CommonPart, given=no_fault_found, symbolic=T_SYNC, expect=REFUTED, requirement="TS7-10", source="[A] 1.6",
-       twin_of=nobody_isolated_after_all_released,
+@claim(CommonPart, given=no_fault_found, symbolic=T_SYNC, expect=REFUTED, defeat=True, requirement="TS7-10",
+       source="[A] 1.6", twin_of=nobody_isolated_after_all_released,
        scenario=demands(6000, a=[(1000, 2000)], b=[(1000, 1500)], c=[(1000, 1500)]))  # fmt: skip
 def nobody_isolated_after_all_released_in_the_reference(s: Seen) -> Bit:
     """In the reference a channel that merely releases 500 frames after the others is isolated, 3500 frames later."""
     return isolation_needs_a_brake(s)
 
 
-@claim(Ts7, expect=REFUTED, requirement="TS7-10", source="[A] 1.6", twin_of=nobody_isolated_after_all_released,
+@claim(Ts7, expect=REFUTED, defeat=True, requirement="TS7-10", source="[A] 1.6",
+       twin_of=nobody_isolated_after_all_released,
        scenario=released_then(1500, lambda k: 150 if k < 5000 else 130, 11_000,
                               a__div0__n=8, b__div0__n=3))  # fmt: skip
 def nobody_isolated_by_an_ordinary_release(s: Seen) -> Bit:

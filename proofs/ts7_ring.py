@@ -11,6 +11,8 @@ Source: ring of 4 x 8 bits, serial adder, fault-detection word [P]; check window
 from models.ts7.bench import CheckedRing
 from models.ts7.numbers import CHECK_WORD
 from models.ts7.ring import BITS_A_FRAME, Ring, Words, frame_starts, ring_words
+from models.ts7.train import SCALE, Bench
+from proofs.ts7_formulas import PULSE, SPEED_FRACTION, wheel_set_right
 from safety import (
     BITS,
     PROVED,
@@ -27,7 +29,6 @@ from safety import (
     faulty,
     has,
     implies,
-    once,
     previous,
     refines,
     stuck,
@@ -35,7 +36,7 @@ from safety import (
     word,
 )
 
-# --- exact rate --------------------------------------------------------------------------------------------------------
+# --- exact rate ----------------------------------------------------------------------------------------------------
 
 LONG = 2**44  # frames that the ghost counters can count: 70 years
 
@@ -55,11 +56,11 @@ def datum_before(s: Seen) -> UInt:
     return previous(s.d0, 0)
 
 
-@claim(Words, requirement="TS7-4", source="[P] ring arithmetic", expect=PROVED, induction=2)
+@claim(Words, requirement="TS7-4", source="[P] ring arithmetic", expect=PROVED)
 def nothing_is_lost_in_a_frame(s: Seen) -> Bit:
-    """In each frame, phase and datum before = 256 if J0 overflowed, and the phase after; summed up: for any n frames."""
-    started, gone = once(word(1, 1) == 1), previous(s.o0.word(), 0)
-    return implies(started, 256 * gone.int() + s.j0.int() == previous(s.j0, 0).int() + datum_before(s).int())
+    """In each frame: phase + datum = 256 * overflow + next phase.  Summed up: the exact rate for any n frames."""
+    before = previous(s.j0, 0).int() + datum_before(s).int()
+    return implies(frames(s) > 0, 256 * previous(s.o0.word(), 0).int() + s.j0.int() == before)
 
 
 def sum_is_count_and_phase(s: Seen) -> Bit:
@@ -112,7 +113,66 @@ def word_d_overflows_d_times_in_255_frames(s: Seen) -> Bit:
     return implies(frames(s) == 255, overflows(s) == datum_before(s).int())
 
 
-# --- the ring as built does what the words do --------------------------------------------------------------------------
+def check_word_is_85(s: Seen) -> Bit:
+    """The check word is 85; the other data and the speed pulses are anything, in every frame anew."""
+    return s.d2 == CHECK_WORD
+
+
+def count_of_checks(s: Seen) -> Bit:
+    """256 * overflows of J2 + phase - 85 * frames stays what the phase was at the start."""
+    rest = 256 * total(s.o2.word(), LONG).int() + s.j2.int() - 85 * frames(s)
+    return implies(frames(s) < LONG, (rest >= 0) & (rest <= 255))
+
+
+@claim(
+    Words, anywhere=True, given=check_word_is_85, lemmas=[count_of_checks],
+    requirement="TS7-4", source="[D]", expect=PROVED, witness=Scenario(300, {"d2": CHECK_WORD}),
+)  # fmt: skip
+def check_word_overflows_85_times_in_256_frames(s: Seen) -> Bit:
+    """Check word 85, any phase, any 256 consecutive frames: exactly 85 overflows of J2."""
+    return implies(frames(s) == 256, total(s.o2.word(), LONG) == 85)
+
+
+# --- wheel words ---------------------------------------------------------------------------------------------------
+
+
+def way(s: Seen) -> Int:
+    """Way since the start, 2**-24 of the way from one f_v pulse to the next."""
+    return total(s.speed.sat(24), PULSE * LONG).int()
+
+
+def pulses_and_fractions_are_the_way(s: Seen) -> Bit:
+    """The way is in the f_v pulses, the wheel correction and the axle's phase, but for the fractions at the start."""
+    rest = PULSE * total(s.a.f_v.word(), LONG).int() + SCALE * s.a.ring.j1.int() + s.axle.phase - way(s)
+    return implies(way(s) < PULSE * LONG, (rest >= 0) & (rest <= SPEED_FRACTION))
+
+
+@claim(
+    Bench, given=wheel_set_right, lemmas=[pulses_and_fractions_are_the_way],
+    requirement="TS7-5", source="[P] nine steps; words diameter / 5 mm [A]", expect=PROVED,
+)  # fmt: skip
+def way_of_a_pulse_is_the_same_for_all_wheels(s: Seen) -> Bit:
+    """All nine wheels, set right: the f_v pulses count the way, never off by more than 1.7 pulses, at any distance."""
+    off = PULSE * total(s.a.f_v.word(), LONG).int() - way(s)
+    return implies(way(s) < PULSE * LONG, (off >= -SPEED_FRACTION) & (off <= SPEED_FRACTION))
+
+
+def wheel_one_step_too_small(s: Seen) -> Bit:
+    """The wheel switch shows 10 mm less than the true diameter."""
+    return s.wheel + 2 == s.true_wheel
+
+
+@claim(
+    Bench, given=wheel_one_step_too_small, requirement="TS7-5", expect=REFUTED,
+    twin_of=way_of_a_pulse_is_the_same_for_all_wheels,
+    scenario=Scenario(600, {"wheel": 164, "true_wheel": 166, "speed": 160 * SCALE}),
+)  # fmt: skip
+def way_of_a_pulse_is_the_same_one_step_off(s: Seen) -> Bit:
+    """Wheel set one step too small: the f_v pulses count the way, never off by more than 1.7 pulses."""
+    return way_of_a_pulse_is_the_same_for_all_wheels(s)
+
+
+# --- the ring as built does what the words do ----------------------------------------------------------------------
 
 OVERFLOWS = ("o0", "o1", "o2", "o3")
 
@@ -148,14 +208,15 @@ def ring_adds_four_words_without_clear(s: Seen) -> dict[str, UInt]:
     return words_of(s)
 
 
-# --- every fault in what the words share is found ----------------------------------------------------------------------
+# --- every fault in what the words share is found ------------------------------------------------------------------
 
 STAGES = range(32)
 
 
 def at(value: int, *points: str, bit: int | None = None) -> Fault:
     """Points of the ring stuck at a value together, named by the points."""
-    return Fault(stuck(value, bit), [f"ring.{p}" for p in points], name=f"{'+'.join(points)}{'' if bit is None else bit} at {value}")
+    name = f"{'+'.join(points)}{'' if bit is None else f' bit {bit}'} at {value}"
+    return Fault(stuck(value, bit), [f"ring.{p}" for p in points], name=name)
 
 
 STAGE = {value: [at(value, "ring", bit=k) for k in STAGES] for value in (0, 1)}
@@ -170,43 +231,40 @@ def among(s: Seen, faults: list[Fault]) -> Bit:
     return has(s, *(f.name for f in faults))
 
 
-def check_word_is_85(s: Seen) -> Bit:
-    """The check word is 85; the other data and the speed pulses are anything, in every frame anew."""
-    return s.d2 == CHECK_WORD
-
-
-def block_begins_at_0(s: Seen) -> Bit:
-    """A frame begins; the window counts from 0 in each block; ring, carry and phases are anything."""
-    return frame_starts(s.ring.place) & implies(s.check.frame == 0, s.check.count == 0)
-
-
-def age_in_frames(s: Seen) -> Int:
-    """Frames since the fault came."""
-    return total(word(1, 1), 511).int()
+def runs(fault, start=None):
+    """600 frames with a fault, check word 85, nothing else added."""
+    return Scenario(600, {"d2": CHECK_WORD}, start or {}, [fault.name])
 
 
 def frame_begins(s: Seen) -> Bit:
-    """Each step of 32 bit times begins at the first bit of a frame."""
-    return block_begins_at_0(s)
+    """A frame begins; the window has counted no more overflows than frames; ring, carry and phases are anything."""
+    return frame_starts(s.ring.place) & (s.check.count <= s.check.frame)
+
+
+def age_in_frames(s: Seen) -> Int:
+    """Frames since the fault came, counted to 511."""
+    return total(word(1, 1), 511).int()
 
 
 def stuck_stage_fills_the_ring(s: Seen) -> Bit:
     """After a frame, what has passed a stuck stage is constant."""
     passed = [(value, k, s.ring.ring.slice(0, k)) for value in (0, 1) for k in STAGES if k]
     constant = [implies(has(s, STAGE[v][k].name), bits == v * (2**k - 1)) for v, k, bits in passed]
-    full = implies(has(s, at(0, "sum").name), s.ring.ring == 0) & implies(has(s, at(1, "sum").name), s.ring.ring == 2**32 - 1)
-    return implies(age_in_frames(s) >= 1, all_of(*constant, full))
+    empty = implies(among(s, [at(0, "sum")]), s.ring.ring == 0)
+    full = implies(among(s, [at(1, "sum")]), s.ring.ring == 2**32 - 1)
+    return implies(age_in_frames(s) >= 1, all_of(*constant, empty, full))
 
 
 def count_leaves_the_window(s: Seen) -> Bit:
     """In a block as young as the fault: none overflow, or all, or half of the frames, or 255 of 256."""
     count, frame, phase = s.check.count.int(), s.check.frame.int(), ring_words(s.ring.ring)[2]
-    down, half = 256 * count + phase.int() - 255 * frame, 2 * count + phase.bit(7).word().int() - frame
+    down = 256 * count + phase.int() - 255 * frame
+    half = 2 * count + phase.bit(7).word().int() - frame
     by_class = all_of(
         implies(among(s, SILENT), count <= 1), implies(among(s, FULL), count + 1 >= frame),
         implies(among(s, [DOWN]), (down >= 0) & (down <= 255)), implies(among(s, [HALF]), (half >= 0) & (half <= 1)),
     )  # fmt: skip
-    return (s.check.count <= s.check.frame) & implies(age_in_frames(s) >= frame, by_class)
+    return implies(age_in_frames(s) >= frame, by_class)
 
 
 def found_after_a_block(s: Seen) -> Bit:
@@ -215,11 +273,47 @@ def found_after_a_block(s: Seen) -> Bit:
 
 
 @claim(
-    CheckedRing, steps_per_frame=BITS_A_FRAME, arithmetic=BITS, anywhere=True, start=block_begins_at_0,
+    CheckedRing, steps_per_frame=BITS_A_FRAME, arithmetic=BITS, anywhere=True, start=frame_begins,
     given=check_word_is_85, faults=SHARED,
     lemmas=[frame_begins, stuck_stage_fills_the_ring, count_leaves_the_window, found_after_a_block],
-    requirement="TS7-12", source="[P] 3.1; window [R]", expect=PROVED, witness=Scenario(600, {"d2": CHECK_WORD}, present=[DOWN.name]),
+    requirement="TS7-12", source="[P] 3.1; window [R]", expect=PROVED, witness=runs(DOWN),
 )  # fmt: skip
 def every_shared_fault_is_found(s: Seen) -> Bit:
     """Any stage, carry, sum or serial data stuck at 0 or 1: found within 511 frames, whatever the state before."""
+    return implies(faulty(s) & (age_in_frames(s) >= 510), s.fault)
+
+
+@claim(
+    CheckedRing, steps_per_frame=BITS_A_FRAME, anywhere=True, start=frame_begins, given=check_word_is_85,
+    faults=SHARED, requirement="TS7-12", expect=REFUTED, twin_of=every_shared_fault_is_found,
+    scenario=runs(at(0, "sum"), {"check.frame": 193, "check.count": 65}),
+)  # fmt: skip
+def every_shared_fault_is_found_within_a_block(s: Seen) -> Bit:
+    """Any stage, carry, sum or serial data stuck at 0 or 1: found within 256 frames."""
+    return implies(faulty(s) & (age_in_frames(s) >= 255), s.fault)
+
+
+COLUMNS = at_most(1, [at(value, "column", bit=k) for value in (0, 1) for k in range(8)])
+
+
+@claim(
+    CheckedRing, steps_per_frame=BITS_A_FRAME, anywhere=True, start=frame_begins, given=check_word_is_85,
+    faults=COLUMNS, requirement="TS7-12", expect=REFUTED, twin_of=every_shared_fault_is_found,
+    scenario=runs(at(1, "column", bit=5)),
+)  # fmt: skip
+def every_column_fault_is_found(s: Seen) -> Bit:
+    """Any column line of the data matrix stuck at 0 or 1, shared by all words: found within 511 frames."""
+    return implies(faulty(s) & (age_in_frames(s) >= 510), s.fault)
+
+
+CELLS = at_most(1, [at(value, "matrix.j0", bit=k) for value in (0, 1) for k in range(8)])
+
+
+@claim(
+    CheckedRing, steps_per_frame=BITS_A_FRAME, anywhere=True, start=frame_begins, given=check_word_is_85,
+    faults=CELLS, requirement="TS7-12", expect=REFUTED, twin_of=every_shared_fault_is_found,
+    scenario=runs(at(1, "matrix.j0", bit=7)),
+)  # fmt: skip
+def every_cell_fault_is_found(s: Seen) -> Bit:
+    """Any matrix cell of the speed limit stuck at 0 or 1: found within 511 frames.  The check word cannot see it."""
     return implies(faulty(s) & (age_in_frames(s) >= 510), s.fault)

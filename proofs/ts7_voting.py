@@ -7,9 +7,8 @@ One step is one frame, 125 us.
 
 from __future__ import annotations
 
-from models.ts7.system import Ts7
+from models.ts7.system import RuleB, Ts7
 from models.ts7.train import PER_WORD
-from models.ts7.voting import BothMustBrake
 from proofs.ts7_brake_chain import CHANNELS, Chain, permitted
 from safety import (
     ANY_TIME,
@@ -30,12 +29,6 @@ from safety import (
 
 OFFSETS = tuple(f"{n}.offset" for n in CHANNELS)  # left open: every healthy channel errs by up to 4 words
 BROKEN_CHANNEL = Chain(words=4, blind=faulty, mute=faulty)
-
-
-class Ts7RuleB(Ts7, tick_s="125e-6"):
-    """TS-7 with voting rule (b): an isolated channel has no vote, both remaining ones must brake."""
-
-    common: BothMustBrake
 
 
 def too_fast(words_above_65: int, steps: int, after: int = 2700, **script: object) -> Scenario:
@@ -85,7 +78,7 @@ def creeping_up(k: int) -> int:
 
 
 @claim(
-    Ts7RuleB, expect=REFUTED, faults=at_most(1, "channel"), symbolic=OFFSETS, twin_of=brakes_with_one_channel_broken,
+    RuleB, expect=REFUTED, faults=at_most(1, "channel"), symbolic=OFFSETS, twin_of=brakes_with_one_channel_broken,
     scenario=Scenario(
         steps=15_200, inputs={"lines.s65": True, "inverter": True, "speed": creeping_up}, present=("a",), at=2500,
         values=silent("a"), start={"b.offset": -4, "c.offset": 4},

@@ -200,7 +200,7 @@ def instrument(system: System, faults: Sequence[Fault], *, present: bool | None 
     Raises `ModelError` for a point that does not exist, a kind that does not fit its sort, or a system whose steps
     have been taken together: a fault is built in first.
     """
-    for taken in (*system.state, *system.inputs):
+    for taken in (*system.state, *system.inputs) if faults else ():
         if re.fullmatch(rf"{PREFIX}\d+(\..*)?", taken):
             raise ModelError(f"{system.name}: {taken!r} is a name of the registers of faults; give it another")
     states: list[State] = []

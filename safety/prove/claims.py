@@ -117,6 +117,7 @@ def claim(
     scenario: Scenario | None = None,
     witness: Scenario | None = None,
     twin_of: Callable[..., Any] | None = None,
+    defeat: bool = False,
     anywhere: bool = False,
     steps_per_frame: int = 1,
 ) -> Callable[[F], F]:
@@ -127,7 +128,8 @@ def claim(
     registers, proved along with the claim and counted; `symbolic` parameters are left open in their range.  `steps`
     bounds the search for counterexamples, `induction` the depth of induction.  With `steps_per_frame` so many steps of
     the model are one step of the claim: inputs are held, signals are those of the last.  `scenario` is a scripted
-    counterexample, `witness` a run in which the premise happens.
+    counterexample, `witness` a run in which the premise happens.  A `defeat` is refuted because the equipment falls
+    short, not because the sentence was made too strong: reports put it first.
     Raises `ModelError` for an unknown verdict or arithmetic, a bound below what it can be, or a claim without a
     statement (docstring).
     """
@@ -147,12 +149,12 @@ def claim(
         statement = " ".join((formula.__doc__ or "").split())
         if not statement:
             raise ModelError(f"claim {formula.__name__} says nothing: give it a docstring in plain words")
+        role = "defeat" if defeat else "twin" if twin_of else "claim"
         register(
             Claim(
                 claim_id(formula), model, formula, statement, expect, requirement, source, faults, given, start,
                 tuple(lemmas), tuple(symbolic), dict(settings or {}), steps, induction, arithmetic, scenario, witness,
-                claim_id(twin_of) if twin_of else None, "twin" if twin_of else "claim", anywhere,
-                steps_per_frame=steps_per_frame,
+                claim_id(twin_of) if twin_of else None, role, anywhere, steps_per_frame=steps_per_frame,
             )
         )  # fmt: skip
         return formula

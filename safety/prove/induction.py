@@ -20,6 +20,7 @@ from safety.prove.problem import Problem
 from safety.prove.solve import SAT, UNKNOWN, UNSAT, Disagreement, Solver, Unrolling
 from safety.system import ModelError
 from safety.terms import Bit, TermError
+from safety.terms.graph import REAL
 
 SECOND_OPINION = 5.0  # seconds for a further solver once one has refuted the obligation
 
@@ -163,5 +164,7 @@ def _candidate(problem: Problem, solver: Solver, unrolling: Unrolling) -> dict[s
             try:
                 values[s.path] = context.value(model, context.known[s.var.uid], s.var.sort)
             except TermError:
+                if s.var.sort != REAL:
+                    raise
                 values[s.path] = "irrational"
     return values

@@ -110,7 +110,7 @@ def _unused(name: str, taken: Iterable[str]) -> str:
 
 def _check_variables(claim: Claim, system: System, holds: Bit, given: Bit, on_registers: dict[str, Bit]) -> None:
     """Refuse a constant claim, terms of another model, and lemmas and start conditions that read inputs."""
-    if not any(t.op == "var" for t in postorder([holds])):
+    if not any(t.op in ("var", "point") for t in postorder([holds])):
         raise ModelError(f"{claim.id} names no signal: it says {describe(holds)} whatever the model does")
     registers = {s.var.uid for s in system.states}
     inputs = {v.uid for v in system.inputs.values()}

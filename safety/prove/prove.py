@@ -109,7 +109,8 @@ def _induct(problem: Problem, outcome: Outcome, limits: Limits) -> bool:
     answer = _by_induction(problem, limits)
     outcome.questions += answer.questions
     if not answer.proved:
-        outcome.candidate, outcome.why = answer.candidate, f"induction fails: {answer.failed}"
+        outcome.candidate = answer.candidate
+        outcome.why = "; ".join(filter(None, [f"induction fails: {answer.failed}", outcome.why]))
         return False
     used = f"{len(problem.lemmas)} lemmas" if problem.lemmas else "no lemmas"
     form = "integers" if _integers(problem) else "bits"

@@ -63,11 +63,11 @@ def refines(
         if not statement:
             raise ModelError(f"refinement {read.__name__} says nothing: give it a docstring in plain words")
         pairs = outputs if isinstance(outputs, Mapping) else {o: o for o in outputs}
+        twin, role = (claim_id(twin_of), "twin") if twin_of else (None, "refinement")
         register(
             Claim(
                 claim_id(read), lower, read, statement, expect, requirement, source, faults, None, None, (), (), {},
-                search, 1, BITS, None, None, claim_id(twin_of) if twin_of else None, "twin" if twin_of else "refinement",
-                False, Refinement(upper, steps, read, at, pairs),
+                search, 1, BITS, None, None, twin, role, False, Refinement(upper, steps, read, at, pairs),
             )
         )  # fmt: skip
         return read

@@ -77,7 +77,7 @@ class Solver:
     finite: bool = False
 
     def __post_init__(self) -> None:
-        logic = {"z3": "QF_FD", "cvc5": "QF_BV"}[self.name]
+        logic = "QF_FD" if self.name == "z3" else "QF_BV"
         self.raw = self.k.SolverFor(logic) if self.finite else self.k.Solver()
         milliseconds = int(self.timeout * 1000)
         if self.name == "z3":

@@ -58,7 +58,7 @@ def gaps(results: Results) -> list[Gap]:
             _claims(
                 results,
                 lambda c: (
-                    c["verdict"] == "refuted" and c["expect"] == "refuted" and _role(c) in ("claim", "refinement")
+                    c["verdict"] == "refuted" and c["expect"] == "refuted" and _role(c) in ("claim", "defeat", "refinement")
                 ),
             ),
             grave=True,

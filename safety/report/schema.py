@@ -86,7 +86,7 @@ class Claim(TypedDict, total=False):
     id: Required[str]
     model: Required[str]
     statement: str
-    role: Literal["claim", "twin", "lemma", "refinement", "cover"]
+    role: Literal["claim", "twin", "defeat", "lemma", "refinement", "cover"]
     twin_of: str | None
     requirement: str | None
     source: str | None
