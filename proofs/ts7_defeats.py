@@ -122,8 +122,9 @@ def demands_with_the_wheel_one_step_too_small(s: Seen) -> Bit:
     return implies(persists(two_too_fast(s), SLOWEST), s.a.brake)
 
 
-@claim(Ts7, faults=any_of_faults([TOO_SMALL[2]]), expect=REFUTED, defeat=True, requirement="TS7-16", source="[P] one switch for all",
-       scenario=at_92(2), twin_of=demands_with_the_wheel_one_step_too_small)  # fmt: skip
+@claim(Ts7, faults=any_of_faults([TOO_SMALL[2]]), expect=REFUTED, defeat=True, requirement="TS7-16",
+       source="[P] one switch for all", scenario=at_92(2),
+       twin_of=demands_with_the_wheel_one_step_too_small)  # fmt: skip
 def demands_with_the_wheel_two_steps_too_small(s: Seen) -> Bit:
     """Two steps too small: 2.0 km/h above 90 no channel demands the brake, and none ever will."""
     return implies(persists(two_too_fast(s), SLOWEST), s.a.brake | s.b.brake | s.c.brake)

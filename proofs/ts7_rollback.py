@@ -75,7 +75,7 @@ def reports_five_backward(s: Seen) -> Bit:
 def reports_eight_backward_within_the_printed_response(s: Seen) -> Bit:
     """8 km/h or faster for 0.3 s, and now backward: roll-back is reported.  NOT proved here, only not refuted.
 
-    The bound is nominal (4 frames); simulated phases at constant speed need 0.232 s at most (tests).
+    The bound is nominal (4 frames).  Simulated at constant speed, with the nine wheels, the slowest took 0.249 s.
     """
     return implies(persists(fast(s), RESPONSE) & s.backward, s.rev)
 

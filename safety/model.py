@@ -48,7 +48,7 @@ class Model:
             cls._clock = Clock(event=event)
         cls._locals = sys._getframe(1).f_locals
         if "step" in cls.__dict__:
-            cls.step = _recorded(cls.__dict__["step"])  # type: ignore[attr-defined]
+            cls.step = _recorded(cls.__dict__["step"], cls)  # type: ignore[attr-defined]
         for name, value in list(cls.__dict__.items()):
             if isinstance(value, Parameter):
                 setattr(cls, name, Parameter(value.default, value.unit, value.low, value.high, value.source, name))
@@ -226,8 +226,11 @@ def _outputs(cls: type[Model], returned: Any, outputs: Any) -> Any:
     return _output(cls, wanted[1], outputs, f"output of {cls.__name__}")
 
 
-def _recorded(step: Any) -> Any:
-    """`step` as written, with inputs and outputs fitted to their types and its outputs noted under the part's name."""
+def _recorded(step: Any, owner: type[Model]) -> Any:
+    """`step` as written, with inputs and outputs fitted to their types and its outputs noted under the part's name.
+
+    Within a step of a subclass, `super().step(...)` may return the `owner` of that step.
+    """
 
     @functools.wraps(step)
     def call(self: Model, *args: Any, **kwargs: Any) -> Any:
@@ -239,13 +242,14 @@ def _recorded(step: Any) -> Any:
         if scope is None:
             return step(*bound.args, **bound.kwargs)
         prefix = self._place("take a step")
-        if prefix in scope.stepped and scope.path != prefix:
+        within_own = prefix in scope.stepped and scope.path == prefix
+        if prefix in scope.stepped and not within_own:
             raise ModelError(f"{prefix[:-1]!r} is stepped twice in one step; one step of the whole is one of each part")
         scope.stepped.add(prefix)
         with scope.within(prefix):
             result = step(*bound.args, **bound.kwargs)
         following, outputs = result if type(result) is tuple and len(result) == 2 else (result, None)
-        if not isinstance(following, cls):
+        if not isinstance(following, owner if within_own else cls):
             raise ModelError(
                 f"{cls.__name__}.step returns {following!r}; write the next {cls.__name__}, or that and its outputs"
             )

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import itertools
+import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
+from itertools import pairwise
 from typing import Any
 
 from safety.model import Model
@@ -13,6 +15,11 @@ from safety.system import ANY, ModelError, State, System, nearest
 from safety.terms.graph import Sort
 from safety.terms.texts import compile_python
 from safety.tracing import trace
+
+TOLD = 18  # signals that tell a story
+OFTEN = 400  # more changes tell nothing
+SELDOM = 12  # changes of a signal that seldom changes
+INTERNAL = re.compile(r"claim\.|watch\.|fault\d+(\.|$)")  # registers of claims and faults
 
 Row = Mapping[str, Any]
 Inputs = Iterable[Row] | Mapping[str, Any] | Callable[[int], Row]
@@ -56,6 +63,24 @@ class Trace:
             if changed:
                 yield k, changed
             previous = row
+
+    def telling(self, first: Sequence[str] = ()) -> list[str]:
+        """Signals that tell the run's story: `first`, inputs and outputs of the whole, then those that seldom change.
+
+        What watches, what hardly ever stands still, and a second name for one course of values are left out.
+        """
+        changes = {p: sum(x != y for x, y in pairwise(values)) for p, values in self.columns.items()}
+        outer = [p for p in (*self.system.inputs, *self.system.signals) if changes.get(p) and self._of_the_whole(p)]
+        moving = sorted((p for p in changes if changes[p]), key=lambda p: (changes[p], p))
+        seldom = [p for p in moving if changes[p] <= max(SELDOM, len(self) // 4)]
+        shown: dict[tuple[str, ...], str] = {}
+        for path in dict.fromkeys([*(p for p in first if p in changes), *outer, *seldom]):
+            if not INTERNAL.match(path) and changes[path] <= OFTEN:
+                shown.setdefault(tuple(map(str, self[path])), path)
+        return list(shown.values())[:TOLD]
+
+    def _of_the_whole(self, path: str) -> bool:
+        return "." not in path or path in self.system.inputs
 
     def table(self, paths: Sequence[str] | None = None, first: int = 0, last: int | None = None) -> str:
         """A text table, a line a step at which something changed; an unchanged cell is a dot.

@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 from safety.commands import CommandError, memory, options
 from safety.commands.evaluate import find, fitting, fitting_claim
 from safety.commands.output import probe
-from safety.commands.runs import add_signals, chosen_signals, moving, show_run
+from safety.commands.runs import add_signals, chosen_signals, show_run
 from safety.commands.stimulus import rerun
 from safety.project import Project, Value, open_project
 from safety.prove import search
@@ -36,6 +36,7 @@ rightside replay ts7_voting.overspeed_without_brake#0 --vcd cut_set.vcd
 rightside replay ts7_voting.brakes_with_two_faults --from results.json
 """
 SHOWN = 40  # steps
+ROWS = 100  # lines
 
 
 class Replayed(NamedTuple):
@@ -62,7 +63,10 @@ def add_arguments(parser: ArgumentParser) -> None:
     )
     add_signals(parser)
     parser.add_argument(
-        "--first", metavar="STEP", type=int, help=f"first step shown (default: {SHOWN} before the last)"
+        "--first",
+        metavar="STEP",
+        type=int,
+        help=f"first step shown (default: 0, or {SHOWN} before the last where more than {ROWS} lines would come)",
     )
     parser.add_argument("--last", metavar="STEP", type=int, help="last step shown (default: where the run ends)")
     options.add_json(parser)
@@ -78,10 +82,11 @@ def run(args: Namespace) -> int:
         print(f"x {problem}", file=sys.stderr)
     found = _replayed(project, args)
     last = len(found.trace) - 1 if args.last is None else min(args.last, len(found.trace) - 1)
-    first = max(0, last - SHOWN + 1) if args.first is None else args.first
+    paths = chosen_signals(args.show, found.trace, found.paths)
+    short = sum(1 for _, changed in found.trace.changes(0, last) if not changed.keys().isdisjoint(paths)) <= ROWS
+    first = args.first if args.first is not None else 0 if short else max(0, last - SHOWN + 1)
     if not 0 <= first <= last:
         raise CommandError(f"--first {first} --last {last}: the run has steps 0 to {len(found.trace) - 1}")
-    paths = chosen_signals(args.show, found.trace, found.paths)
     show_run(args, found.trace, paths, first, last)
     print(f"{'reproduced' if found.same else 'NOT reproduced'}: {found.told}", file=sys.stderr)
     return 0 if found.same else 1
@@ -180,8 +185,9 @@ def _injection(project: Project, name: str, key: str | int | None, args: Namespa
     found = campaign.replay(key, keep=keep)
     came = class_of(found.cell)
     told = f"{found.injection.id} is {came.replace('_', ' ')}"
+    paths = found.trace.telling([path for path in found.trace.columns if path.startswith("observed ")])
     if recorded.entry is None:
-        return Replayed(found.trace, True, f"{told}; there is no earlier result to compare with", moving(found.trace))
+        return Replayed(found.trace, True, f"{told}; there is no earlier result to compare with", paths)
     was = f"{name}::{found.injection.id}" in recorded.entry.get("replay", ())
     same = was == (came == "dangerous_undetected")
-    return Replayed(found.trace, same, told + ("" if same else ", which the results deny"), moving(found.trace))
+    return Replayed(found.trace, same, told + ("" if same else ", which the results deny"), paths)

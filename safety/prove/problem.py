@@ -81,7 +81,7 @@ def equipped(claim: Claim, bare: System, steps: int = 1) -> Faulted:
             )
     faulted = instrument(bare, faults, present=None)
     _check_assumptions(claim, bare, faulted)
-    return together(faulted, steps) if steps > 1 else faulted
+    return faulted if steps == 1 else together(faulted, steps)
 
 
 def _check_assumptions(claim: Claim, bare: System, faulted: Faulted) -> None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from fractions import Fraction
-from itertools import pairwise
 from typing import Any
 
 from safety.faults import FROM_START, PREFIX, now_name, present_name
@@ -17,9 +16,6 @@ from safety.terms import Term
 from safety.trace import Trace
 
 SHOWN_FAULTS = 8  # names in the text of a fault budget; all stand beside it
-SIGNALS = 18  # of a counterexample, besides the claim itself
-MOST_CHANGES = 400  # more of them tell nothing
-SELDOM = 12  # changes in a run that make a signal part of its story
 _ADDED = re.compile(rf"watch\.|{PREFIX}\d+(\.|$)")  # registers that the proof adds to the model's own
 
 
@@ -136,18 +132,7 @@ def _onset(trace: Trace, problem: Problem) -> int | None:
 
 def story(trace: Trace, problem: Problem) -> list[str]:
     """Signals worth showing: those the claim names, inputs and outputs of the whole, then those that seldom change."""
-    changes = {p: sum(x != y for x, y in pairwise(values)) for p, values in trace.columns.items()}
-    system = problem.system
-    named = [p for p in claim_names(problem) if p in changes]
-    outer = [p for p in (*system.inputs, *system.signals) if "." not in p or p in system.inputs]
-    moving = sorted((p for p in changes if changes[p]), key=lambda p: (changes[p], p))
-    seldom = [p for p in moving if changes[p] <= max(SELDOM, len(trace) // 4)]
-    told = dict.fromkeys([*named, *(p for p in outer if changes.get(p)), *seldom])
-    shown: dict[tuple[str, ...], str] = {}  # one name for each course of values
-    for path in told:
-        if not path.startswith(("claim.", "watch.")) and changes[path] <= MOST_CHANGES:
-            shown.setdefault(tuple(map(str, trace[path])), path)
-    return [*list(shown.values())[:SIGNALS], "claim.premise", "claim.holds"]
+    return [*trace.telling(claim_names(problem)), "claim.premise", "claim.holds"]
 
 
 def claim_names(problem: Problem) -> list[str]:

@@ -1,0 +1,128 @@
+"""Claims about one channel: verdicts, lemmas a little tighter that must fail, and the response simulated."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from models.ts7.numbers import ROLLBACK_WORD, SPEEDS, WORD
+from models.ts7.train import PER_WORD, SCALE
+from proofs import ts7_channel as channel
+from proofs import ts7_formulas as formulas
+from proofs import ts7_rollback as rollback
+from proofs.ts7_formulas import Formula, at_least_kmh, at_most_kmh, frames_for
+from safety import PROVED, Bit, Seen
+from safety.prove.claims import Claim
+from safety.prove.prove import prove
+from tests.proofs.verdicts import check, claims_of, of, without_twin
+
+CLAIMS = {**claims_of(channel), **claims_of(rollback)}
+
+
+@pytest.mark.parametrize("claim", CLAIMS.values(), ids=list(CLAIMS))
+def test_verdict(claim: Claim) -> None:
+    check(prove(claim))
+
+
+def test_every_proved_requirement_has_a_claim_that_fails() -> None:
+    assert without_twin(CLAIMS) == []
+
+
+def one_more(s: Seen) -> Bit:
+    """Wheel set right; at most 1/4096 word above the limit."""
+    return channel.wheel_set_right(s) & (channel.excess(s) <= 1)
+
+
+def one_less(s: Seen) -> Bit:
+    """Wheel set right; at most 1/4096 word below the limit."""
+    return channel.wheel_set_right(s) & (channel.excess(s) >= -1)
+
+
+@pytest.mark.parametrize(
+    ("claim", "given"), [(channel.never_brakes_falsely, one_more), (channel.never_releases_falsely, one_less)]
+)
+def test_one_unit_of_speed_too_much_is_not_proved(claim: Formula, given: Formula) -> None:
+    found = of(claim, given=given, steps=4)
+    assert found.verdict != PROVED
+    assert found.candidate
+
+
+@pytest.mark.parametrize("name", ["REFERENCE_FRACTION", "SPEED_FRACTION", "PULSE"])
+def test_a_lemma_one_unit_tighter_is_not_proved(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(formulas, name, getattr(formulas, name) - 1)
+    assert of(channel.brakes_two_kmh_above, steps=4).verdict != PROVED or name == "SPEED_FRACTION"
+    assert of(channel.releases_two_kmh_below, steps=4).verdict != PROVED or name == "REFERENCE_FRACTION"
+
+
+@pytest.mark.parametrize("part", ["comparator.u", "ring.j1", "ring.j0", "div0.n"])
+def test_a_potential_without_one_of_its_parts_is_not_proved(part: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    def poorer(s: Seen, name: str = "a", race: formulas.Race = formulas.BRAKE) -> object:
+        weight = {"comparator.u": formulas.PULSE, "ring.j1": SCALE, "ring.j0": -PER_WORD, "div0.n": -256 * PER_WORD}
+        return whole(s, name, race) - weight[part] * s[name][part].int()
+
+    whole = formulas.potential
+    monkeypatch.setattr(formulas, "potential", poorer)
+    assert of(channel.brakes_two_kmh_above, steps=4).verdict != PROVED
+
+
+@pytest.mark.parametrize(
+    ("claim", "units"),
+    [(channel.brakes_two_kmh_above, channel.ABOVE), (channel.releases_two_kmh_below, channel.BELOW)],
+)
+def test_a_rate_one_unit_greater_is_not_proved(claim: Formula, units: int) -> None:
+    lemma = formulas.rising if units == channel.ABOVE else formulas.falling
+    while_ = channel.two_above if units == channel.ABOVE else channel.two_below
+    faster = lemma(while_, units + 1, frames_for(units))
+    assert of(claim, lemmas=(channel.LATCH, faster), steps=4).verdict != PROVED
+
+
+def test_margins_and_times() -> None:
+    assert (channel.ABOVE, frames_for(channel.ABOVE)) == (17_115, 4576)
+    assert (channel.BELOW, frames_for(channel.BELOW)) == (15_365, 5098)
+    assert (rollback.ABOVE, frames_for(rollback.ABOVE)) == (24_480, 3200)
+    assert (rollback.BELOW, frames_for(rollback.BELOW)) == (10_289, 7612)
+
+
+def slowest(speed: int, word: int, wheel: int, released: bool, phases: int = 2000) -> int:
+    """Frames until the latch of the last of many channels moves, from random phases; written anew, without the model."""
+    random = np.random.default_rng(7)
+    axle = random.integers(0, SCALE * wheel, phases)
+    axle[::2] = 0
+    accv, acc, pd = (random.integers(0, n, phases) for n in (256, 256, 16))
+    u = np.full(phases, 0 if released else 3)
+    moved = np.zeros(phases, bool)
+    for frame in range(1, 20_000):
+        axle += speed
+        s = axle >= SCALE * wheel
+        axle -= s * SCALE * wheel
+        accv += s * wheel
+        up = accv >= 256
+        accv -= up * 256
+        acc += word
+        carry = acc >= 256
+        acc -= carry * 256
+        pd += carry
+        down = pd == 16
+        pd -= down * 16
+        u = np.clip(u + (up & ~down) - (down & ~up), 0, 3)
+        moved |= u == (3 if released else 0)
+        if moved.all():
+            return frame
+    raise AssertionError("never")
+
+
+@pytest.mark.parametrize("wheel", [156, 164, 166, 172])
+@pytest.mark.parametrize("speed", SPEEDS)
+def test_simulated_response_keeps_the_printed_time(speed: int, wheel: int) -> None:
+    """Worst of 150 000 phases for each of the nine wheels, run apart: 2107 frames to brake, 2242 to release."""
+    assert slowest(at_least_kmh(speed + 2), WORD[speed], wheel, released=True) <= 2107
+    assert slowest(at_most_kmh(speed - 2), WORD[speed], wheel, released=False) <= 2242
+
+
+@pytest.mark.parametrize("wheel", [156, 162, 172])
+def test_simulated_roll_back_keeps_the_printed_time(wheel: int) -> None:
+    assert slowest(at_least_kmh(8), ROLLBACK_WORD, wheel, released=True) <= 1985
+
+
+def test_simulated_creeping_is_as_slow_as_proved() -> None:
+    assert slowest(at_least_kmh(2), 0, 172, released=True) == channel.EXACT
