@@ -71,7 +71,7 @@ class Trace:
         """
         changes = {p: sum(x != y for x, y in pairwise(values)) for p, values in self.columns.items()}
         outer = [p for p in (*self.system.inputs, *self.system.signals) if changes.get(p) and self._of_the_whole(p)]
-        moving = sorted((p for p in changes if changes[p]), key=lambda p: (changes[p], p))
+        moving = sorted((p for p in changes if changes[p]), key=lambda p: (p.count("."), changes[p], p))
         seldom = [p for p in moving if changes[p] <= max(SELDOM, len(self) // 4)]
         shown: dict[tuple[str, ...], str] = {}
         for path in dict.fromkeys([*(p for p in first if p in changes), *outer, *seldom]):
