@@ -60,7 +60,7 @@ def reports_eight_backward(s: Seen) -> Bit:
 
 
 @claim(
-    Bench, given=wheel_set_right, requirement="TS7-13", expect=REFUTED, twin_of=reports_eight_backward,
+    Bench, given=wheel_set_right, requirement="TS7-13", expect=REFUTED, defeat=True, twin_of=reports_eight_backward,
     scenario=rolls_back(at_least_kmh(5)),
 )  # fmt: skip
 def reports_five_backward(s: Seen) -> Bit:

@@ -84,7 +84,7 @@ def test_margins_and_times() -> None:
 
 
 def slowest(speed: int, word: int, wheel: int, released: bool, phases: int = 2000) -> int:
-    """Frames until the latch of the last of many channels moves, from random phases; written anew, without the model."""
+    """Frames until the latch of the last of many channels moves, from random phases; written without the model."""
     random = np.random.default_rng(7)
     axle = random.integers(0, SCALE * wheel, phases)
     axle[::2] = 0

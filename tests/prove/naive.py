@@ -68,7 +68,7 @@ def monitors(e: Expr) -> list[Expr]:
 def premises(e: Expr) -> list[Expr]:
     """What has to happen for the formula to say anything; true where it says something at every step."""
     true: Expr = ("const", True)
-    if not speaks(e):
+    if constant(e) is not None:
         return [true]
     if e[0] == "implies":
         return [("and", e[1], p) for p in premises(e[2])]
@@ -78,9 +78,17 @@ def premises(e: Expr) -> list[Expr]:
     return [true]
 
 
-def speaks(e: Expr) -> bool:
-    """Whether an expression depends on anything."""
-    return e[0] == "name" or any(isinstance(a, tuple) and speaks(a) for a in e[1:])
+def constant(e: Expr) -> Any:
+    """The value of an expression that is the same whatever happens; None of any other."""
+    op, *args = e
+    if op in ("name", *MONITORS):
+        return None
+    v = [constant(a) if isinstance(a, tuple) else a for a in args]
+    if op in ("and", "or") and (op == "or") in v:
+        return op == "or"
+    if op == "select" and v[0] is not None:
+        return v[1] if v[0] else v[2]
+    return None if None in v else value((op, *(("const", x) for x in v)), {}) if op != "const" else v[0]
 
 
 # --- faults --------------------------------------------------------------------------------------------------------
