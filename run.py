@@ -27,7 +27,7 @@ ROOT = Path(__file__).resolve().parent
 VENV = ROOT / os.environ.get("RIGHTSIDE_VENV", ".venv")
 SCRIPTS, PACKAGES = (sysconfig.get_path(kind, "venv", {"base": str(VENV)}) for kind in ("scripts", "purelib"))
 STAMP = VENV / "rightside-stamp"
-CHECKS = ["ruff", "check"], ["ruff", "format", "--check"], ["mypy"], ["pytest"]
+CHECKS = ["ruff", "check"], ["ruff", "format", "--check"], ["mypy"], ["pytest", "-n", "auto"]
 
 
 def say(text):

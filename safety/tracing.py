@@ -71,12 +71,13 @@ def resolve(cls: type[Model], settings: Mapping[str, Any]) -> dict[str, Any]:
 
     Raises `ModelError` when a key fits nothing.
     """
-    known = {path: None for path, _ in _parameters(cls)}
+    known = {path for path, _ in _parameters(cls)}
+    bare = {path.rpartition(".")[2] for path in known}
     full: dict[str, Any] = {}
     for key, value in settings.items():
-        hits = [p for p in known if fnmatchcase(p, key) or p.rsplit(".", 1)[-1] == key]
+        hits = [p for p in sorted(known) if fnmatchcase(p, key) or p.rsplit(".", 1)[-1] == key]
         if not hits:
-            raise ModelError(f"{cls.__name__} has no parameter {key!r}; {nearest(key, known)}")
+            raise ModelError(f"{cls.__name__} has no parameter {key!r}; {nearest(key, known | bare)}")
         full |= dict.fromkeys(hits, value)
     return full
 

@@ -14,7 +14,7 @@ import pytest
 from safety.prove.claims import BITS, BOUNDED, INTEGERS, PROVED, REFUTED, UNDECIDED, VACUOUS
 from safety.prove.prove import Limits, Outcome, prove
 from safety.system import ModelError
-from tests.prove import naive, translated
+from tests.prove import chance, naive, translated
 from tests.prove.naive import Machine, TooLarge, Truth, value
 
 STEPS = 5
@@ -24,7 +24,7 @@ BLOCK = 200
 def drawn(seed: int) -> tuple[Machine, Outcome] | None:
     """A random machine with the toolkit's outcome; None where there is no claim in it, or too many states."""
     rng = random.Random(seed)
-    machine = Machine(naive.equipment(rng), naive.question(rng))
+    machine = Machine(chance.equipment(rng), chance.question(rng))
     claim = translated.claim(
         machine.asked,
         translated.model(machine.made),

@@ -18,7 +18,7 @@ from safety.system import ANY, ModelError
 from safety.terms import U2, U4, Bit, select
 from tests.prove import naive
 from tests.prove.naive import Machine
-from tests.prove.test_soundness import asked, verdict
+from tests.prove.small import asked, verdict
 
 
 class Lock(Model, event="tick"):
@@ -180,4 +180,3 @@ def least_by_hand(machine: Machine, keys: list[str], steps: int) -> Any:
             if ok:
                 found.append(([{"x": state[0], "y": state[1]}[k] for k in keys], list(run)))
     return min(found)
-

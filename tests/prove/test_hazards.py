@@ -19,7 +19,7 @@ from safety.prove.prove import Limits
 from safety.prove.solve import Disagreement, Solver
 from safety.system import ModelError
 from safety.terms import U2, Bit, implies, select
-from tests.prove import naive, translated
+from tests.prove import chance, naive, translated
 from tests.prove.naive import Machine, Question
 
 STEPS = 4
@@ -80,7 +80,9 @@ def test_without_a_scenario_they_are_candidates_and_have_no_run() -> None:
 
 
 def test_a_confirmed_set_is_run_with_its_own_faults_only() -> None:
-    wrong = declared(moves, Votes, WELDED, scenarios=lambda names: [Scenario(2, {"brake": True}, present=["a", "output"])])
+    wrong = declared(
+        moves, Votes, WELDED, scenarios=lambda names: [Scenario(2, {"brake": True}, present=["a", "output"])]
+    )
     found = cut_sets(wrong)
     assert found.by_order(CONFIRMED) == {1: 1, 2: 3}
     for one in found.sets:
@@ -122,7 +124,9 @@ def test_a_lemma_that_a_fault_breaks_is_refused() -> None:
     broken = declared(moves, Votes, faults, lemmas=[lambda s: ~s.held], given=lambda s: s.brake)
     with pytest.raises(ModelError, match=r"is kept by a step: not shown for every combination of faults; guard"):
         cut_sets(broken)
-    guarded = declared(moves, Votes, faults, lemmas=[lambda s: implies(s.held, struck(s, "output"))], given=lambda s: s.brake)
+    guarded = declared(
+        moves, Votes, faults, lemmas=[lambda s: implies(s.held, struck(s, "output"))], given=lambda s: s.brake
+    )
     assert cut_sets(guarded).by_order() == {1: 1}
 
 
@@ -161,7 +165,7 @@ def test_two_hazards_of_a_name_are_refused() -> None:
 
 
 def by_hand(machine: Machine) -> list[tuple[str, ...]]:
-    """All sets of faults with which the hazard can happen within the steps, from the naive machine; the minimal ones."""
+    """The minimal sets of faults with which the hazard can happen within the steps, from the naive machine."""
     n = len(machine.asked.faults)
     guilty = []
     for chosen in itertools.product([False, True], repeat=n):
@@ -188,10 +192,10 @@ def all_scripts(names: tuple[str, ...]) -> list[Scenario]:
 def drawn(seed: int) -> tuple[Machine, Hazard] | None:
     """Equipment without memory of the inputs' past, three simple faults, and a hazard in what it shows."""
     rng = random.Random(seed)
-    made = replace(naive.equipment(rng), x0=0, y0=False, assumed=None)
+    made = replace(chance.equipment(rng), x0=0, y0=False, assumed=None)
     kinds = ("stuck0", "stuck1", "flip", "open", "welded", "delayed")
-    faults = tuple(dict.fromkeys(naive.broken(rng, rng.choice(kinds), "from start") for _ in range(3)))
-    bad = naive.wire(rng, ["good", "level", "p"], 2)
+    faults = tuple(dict.fromkeys(chance.broken(rng, rng.choice(kinds), "from start") for _ in range(3)))
+    bad = chance.wire(rng, ["good", "level", "p"], 2)
     if naive.constant(bad) is not None:
         return None
     machine = Machine(made, Question(("not", bad), faults=faults))
@@ -239,7 +243,9 @@ def test_a_lost_cut_set_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_a_set_confirmed_without_its_run_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(search, "with_faults", lambda problem, names: problem)
-    monkeypatch.setattr(hazards, "replace", lambda script, present: replace(script, present=("f0", "f1", "f2")[: len(script.inputs)]))
+    monkeypatch.setattr(
+        hazards, "replace", lambda script, present: replace(script, present=("f0", "f1", "f2")[: len(script.inputs)])
+    )
     with pytest.raises((AssertionError, ModelError)):
         agreeing(range(60))
 

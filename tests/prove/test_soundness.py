@@ -3,72 +3,35 @@
 from __future__ import annotations
 
 import gc
-from collections.abc import Callable
 from fractions import Fraction
-from typing import Annotated, Any, NamedTuple
+from typing import Any
 
 import pytest
 
-from safety.faults import ANY_TIME, INTERMITTENT, Budget, Fault, any_of_faults, at_most, byzantine, stuck
+from safety.faults import ANY_TIME, Fault, any_of_faults, at_most, stuck
 from safety.model import Model, assume, parameter, point, power_up
-from safety.prove import claims, induction, solve
+from safety.prove import claims, solve
 from safety.prove.claims import (
     BITS,
     BOUNDED,
-    INTEGERS,
     PROVED,
     REFUTED,
     UNDECIDED,
     VACUOUS,
-    Claim,
     Scenario,
     Seen,
     age,
-    faulty,
     has,
-    new_fault,
     previous,
-    struck,
 )
 from safety.prove.problem import build_problem
-from safety.prove.prove import Limits, Outcome, prove
-from safety.prove.solve import Disagreement, Solver, Unrolling
+from safety.prove.prove import Limits, prove
+from safety.prove.solve import Unrolling
 from safety.system import ANY, ModelError
-from safety.terms import U2, U4, U8, Bit, Int, Real, UInt, bit, implies, select, smt, word
+from safety.terms import U2, U4, U8, Bit, Real, UInt, bit, implies, select, word
 from safety.terms.graph import graph_size
 from safety.tracing import trace
-
-
-class Lamps(NamedTuple):
-    on: Bit
-    high: Bit
-
-
-class Counter(Model, event="tick"):
-    """Counts modulo 16 while asked to; `on` once it has passed 3."""
-
-    n: U4 = power_up(0)
-    passed: Bit = power_up(False)
-
-    def step(self, go: Bit) -> tuple[Counter, Lamps]:
-        n = point("n", select(go, (self.n + 1).low(4), self.n))
-        passed = point("passed", self.passed | (self.n == 3))
-        return Counter(n=n, passed=passed), Lamps(on=passed, high=point("high", self.n >= 8))
-
-
-def asked(formula: Callable[[Seen], Bit], model: type[Model] = Counter, **changes: Any) -> Claim:
-    usual: dict[str, Any] = {
-        "id": "test.claim", "model": model, "formula": formula, "statement": "said", "expect": PROVED,
-        "requirement": "", "source": "", "faults": None, "given": None, "start": None, "lemmas": (), "symbolic": (),
-        "settings": {}, "steps": 12, "induction": 1, "arithmetic": INTEGERS, "scenario": None, "witness": None,
-        "twin_of": None,
-    }  # fmt: skip
-    return Claim(**(usual | changes))
-
-
-def verdict(formula: Callable[[Seen], Bit], model: type[Model] = Counter, **changes: Any) -> Outcome:
-    return prove(asked(formula, model, **changes), Limits(20))
-
+from tests.prove.small import Counter, asked, below_sixteen, passed_in_time, verdict
 
 # --- premises ------------------------------------------------------------------------------------------------------
 
@@ -89,10 +52,6 @@ def test_one_premise_that_never_happens_is_enough_to_be_vacuous() -> None:
 def test_an_inner_premise_that_never_happens_is_vacuous() -> None:
     found = verdict(lambda s: implies(s.go, implies((s.n > 3) & ~s.passed, s.on)), lemmas=[passed_in_time])
     assert found.verdict == VACUOUS
-
-
-def passed_in_time(s: Seen) -> Bit:
-    return implies(s.n > 3, s.passed)
 
 
 class Assuming(Model, event="tick"):
@@ -166,134 +125,6 @@ def test_deeper_induction_needs_its_first_steps() -> None:
 
     found = verdict(not_two_ago, given=lambda s: implies(previous(s.go, False), s.go), induction=3)
     assert (found.verdict, found.premise_at) == (PROVED, 2)
-
-
-# --- solvers -------------------------------------------------------------------------------------------------------
-
-
-def silent(monkeypatch: pytest.MonkeyPatch, solver: str, label: str, result: str = "unknown") -> None:
-    """A solver that says `result` to one obligation."""
-    ask = induction.ask
-
-    def patched(problem: Any, one: Any, name: str, *rest: Any) -> induction.Reply:
-        if name == solver and label in one.label:
-            return induction.Reply(result, {}, "out of time")
-        return ask(problem, one, name, *rest)
-
-    monkeypatch.setattr(induction, "ask", patched)
-
-
-def below_sixteen(s: Seen) -> Bit:
-    return s.n.int() < 16
-
-
-def test_agreement_is_on_every_obligation(monkeypatch: pytest.MonkeyPatch) -> None:
-    assert verdict(below_sixteen, lemmas=[passed_in_time]).agreed_by == ["z3", "cvc5"]
-    silent(monkeypatch, "cvc5", "is kept by a step")
-    found = verdict(below_sixteen, lemmas=[passed_in_time])
-    assert (found.verdict, found.agreed_by) == (PROVED, ["z3"])
-    assert "one solver only, z3; cvc5 left open lemma 'passed in time' is kept by a step (out of time)" in found.why
-
-
-def test_no_solver_may_agree_to_all_of_it(monkeypatch: pytest.MonkeyPatch) -> None:
-    silent(monkeypatch, "cvc5", "is kept by a step")
-    silent(monkeypatch, "z3", "power-up")
-    found = verdict(below_sixteen, lemmas=[passed_in_time])
-    assert (found.verdict, found.agreed_by) == (PROVED, [])
-    assert "no single solver for all obligations" in found.why
-
-
-def test_what_both_leave_open_is_not_proved(monkeypatch: pytest.MonkeyPatch) -> None:
-    silent(monkeypatch, "cvc5", "property")
-    silent(monkeypatch, "z3", "property")
-    found = verdict(below_sixteen)
-    assert (found.verdict, found.agreed_by) == (BOUNDED, ["z3"])
-
-
-@pytest.mark.parametrize("liar", ["z3", "cvc5"])
-def test_solvers_that_contradict_stop_everything(monkeypatch: pytest.MonkeyPatch, liar: str) -> None:
-    silent(monkeypatch, liar, "property", "sat")
-    with pytest.raises(Disagreement, match="the property follows"):
-        verdict(below_sixteen)
-
-
-def test_a_missing_solver_confirms_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
-    module = smt.solver_module
-
-    def only_z3(name: str) -> Any:
-        if name == "cvc5":
-            raise ModuleNotFoundError("No module named 'cvc5'")
-        return module(name)
-
-    monkeypatch.setattr(smt, "solver_module", only_z3)
-    found = verdict(below_sixteen, lemmas=[passed_in_time])
-    assert (found.verdict, found.agreed_by) == (PROVED, ["z3"])
-    assert "cvc5 left open lemma 'passed in time' at power-up (ModuleNotFoundError" in found.why
-
-
-def test_a_solver_that_crashes_confirms_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
-    import z3
-
-    def crash(self: Any, *_: Any) -> Any:
-        raise z3.Z3Exception("out of memory")
-
-    monkeypatch.setattr(z3.Solver, "check", crash)
-    found = verdict(below_sixteen)
-    assert (found.verdict, found.agreed_by) == (UNDECIDED, [])  # cvc5 proves it, the premise could not be shown
-    found = verdict(below_sixteen, witness=Scenario(1))
-    assert (found.verdict, found.agreed_by) == (PROVED, ["cvc5"])
-    assert "out of memory" in found.why
-
-
-def late(monkeypatch: pytest.MonkeyPatch, first: int) -> None:
-    """From the question of that number on, bounded search gets no answer."""
-    check, asked_so_far = Solver.check, [0]
-
-    def patched(self: Solver) -> str:
-        asked_so_far[0] += self.finite
-        return "unknown" if self.finite and asked_so_far[0] > first else check(self)
-
-    monkeypatch.setattr(Solver, "check", patched)
-
-
-def test_a_search_that_stops_early_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
-    found = verdict(lambda s: s.n < 13, expect=BOUNDED, witness=Scenario(1))
-    assert (found.verdict, found.steps, found.as_expected) == (BOUNDED, 12, True)
-    late(monkeypatch, 3)
-    found = verdict(lambda s: s.n < 13, expect=BOUNDED, witness=Scenario(1))
-    assert (found.verdict, found.steps, found.as_expected) == (BOUNDED, 3, False)
-    assert "no answer at step 3" in found.why
-
-
-def test_a_counterexample_found_in_time_stays_one(monkeypatch: pytest.MonkeyPatch) -> None:
-    late(monkeypatch, 4)  # the answer is there, making it small gets none
-    found = verdict(lambda s: s.n < 3, expect=REFUTED)
-    assert (found.verdict, found.steps) == (REFUTED, 4)
-
-
-def test_a_proof_has_no_bound() -> None:
-    found = verdict(below_sixteen, expect=REFUTED)
-    assert (found.verdict, found.steps, found.as_expected) == (PROVED, None, False)
-
-
-def test_ranges_are_told_to_the_solver(monkeypatch: pytest.MonkeyPatch) -> None:
-    class Bounded(Model, event="tick"):
-        """Holds a number from 3 to 9."""
-
-        n: Annotated[Int, (3, 9)] = power_up(ANY)
-
-        def step(self, m: Annotated[Int, (-2, 5)]) -> Bounded:
-            return Bounded(n=(self.n + m).clip(3, 9))
-
-    def in_range(s: Seen) -> Bit:
-        return (s.n >= 3) & (s.n - s.m < 12)
-
-    for arithmetic in (INTEGERS, BITS):
-        assert verdict(in_range, Bounded, arithmetic=arithmetic).verdict == PROVED
-        assert verdict(lambda s: s.n - s.m < 11, Bounded, arithmetic=arithmetic, expect=REFUTED).verdict == REFUTED
-    monkeypatch.setattr(Solver, "add_ranges", lambda self, unrolling: None)
-    with pytest.raises(Exception, match="not a value of int"):
-        verdict(in_range, Bounded)
 
 
 # --- one name, two things ------------------------------------------------------------------------------------------
@@ -393,114 +224,6 @@ def test_a_claim_says_something_of_the_model() -> None:
 def test_a_claim_is_checked_where_it_is_declared(changes: dict[str, Any], says: str) -> None:
     with pytest.raises(ModelError, match=says):
         claims.claim(Counter, **({"expect": PROVED} | changes))
-
-
-# --- faults --------------------------------------------------------------------------------------------------------
-
-
-class Pair(Model, event="tick"):
-    """Keeps the last two values of a wire that is false when healthy."""
-
-    last: Bit = power_up(False)
-    before: Bit = power_up(False)
-
-    def step(self) -> Pair:
-        return Pair(last=point("wire", bit(False)), before=self.last)
-
-
-WIRE = {onset: any_of_faults([Fault(byzantine(), ["wire"], onset, name="wire")]) for onset in ("from start", ANY_TIME)}
-
-
-@pytest.mark.parametrize("onset", WIRE)
-def test_a_byzantine_point_is_free_at_every_step_of_a_frame(onset: str) -> None:
-    def alike(s: Seen) -> Bit:
-        return s.last == s.before
-
-    found = verdict(alike, Pair, faults=WIRE[onset], steps_per_frame=2, expect=REFUTED)
-    assert (found.verdict, found.steps) == (REFUTED, 2)
-
-
-def test_a_fault_may_begin_within_a_frame() -> None:
-    stuck_at_1 = any_of_faults([Fault(stuck(1), ["wire"], ANY_TIME, name="wire")])
-
-    def both_or_none(s: Seen) -> Bit:
-        return s.last == s.before
-
-    assert verdict(both_or_none, Pair, faults=stuck_at_1, steps_per_frame=2, expect=REFUTED).verdict == REFUTED
-    found = verdict(
-        lambda s: implies(s.before, s.last), Pair, faults=stuck_at_1, steps_per_frame=2,
-        lemmas=[lambda s: implies(s.before, s.last), lambda s: implies(s.last, struck(s, "wire"))],
-    )  # fmt: skip
-    assert found.verdict == PROVED
-
-
-def test_a_frame_with_a_fault_that_begins_in_it_has_a_new_fault() -> None:
-    faults = any_of_faults([Fault(stuck(1), ["wire"], ANY_TIME, name="wire")])
-
-    def noticed(s: Seen) -> Bit:
-        return implies(s.last & ~previous(s.last, False), previous(new_fault(s), False))
-
-    lemma = [lambda s: implies(s.last, struck(s, "wire"))]
-    assert verdict(noticed, Pair, faults=faults, steps_per_frame=3, lemmas=lemma, induction=2).verdict == PROVED
-
-
-def test_an_intermittent_fault_has_struck_once_it_acted() -> None:
-    faults = any_of_faults([Fault(stuck(1), ["high"], INTERMITTENT, name="high")])
-    found = verdict(
-        lambda s: implies(struck(s, "high"), previous(s.high, False) | (s.n > 0)), faults=faults, expect=REFUTED
-    )
-    assert found.verdict == REFUTED and found.steps is not None and found.steps > 2
-    assert verdict(lambda s: implies(struck(s, "high"), has(s, "high")), faults=faults, induction=2).verdict == PROVED
-
-
-class Meter(Model, event="tick"):
-    """A part that assumes what it measures."""
-
-    def step(self, level: U4) -> tuple[Meter, Bit]:
-        assume("level below 9", level < 9)
-        return Meter(), point("over", level > 7)
-
-
-class Tank(Model, event="tick"):
-    """Feeds the meter through a register that a fault can reach."""
-
-    meter: Meter
-    level: U4 = power_up(0)
-
-    def step(self) -> tuple[Tank, Bit]:
-        meter, over = self.meter.step(self.level)
-        return Tank(meter=meter, level=point("level", (self.level + 1).low(3))), over
-
-
-def test_an_assumption_does_not_hold_a_fault_down() -> None:
-    level = any_of_faults([Fault(byzantine(), ["level"])])
-    with pytest.raises(ModelError, match=r"faults reach what the model assumes, 'meter\.level below 9'"):
-        verdict(lambda s: s.level < 9, Tank, faults=level)
-    assert (
-        verdict(lambda s: s.level < 9, Tank, faults=any_of_faults([Fault(stuck(0), ["meter.over"])])).verdict == PROVED
-    )
-
-
-class Two(Model, event="tick"):
-    """Two counters."""
-
-    a: Counter
-    b: Counter
-
-    def step(self, go: Bit) -> Two:
-        (a, _), (b, _) = self.a.step(go), self.b.step(go)
-        return Two(a=a, b=b)
-
-
-@pytest.mark.parametrize("pattern", ["a.high", "a.*", "*.high"])
-def test_a_part_is_faulty_by_what_its_patterns_reach(pattern: str) -> None:
-    faults = Budget([Fault(stuck(1), [pattern], name="high")], 1)
-    problem = build_problem(asked(lambda s: s.a.high | faulty(s, "a"), Two, faults=faults))
-    seen = Seen(problem.system, problem.faulted)
-    assert faulty(seen, "a") is faulty(seen.a) is faulty(seen) is has(seen, "high")
-    assert (faulty(seen, "b") is has(seen, "high")) == (pattern == "*.high")
-    with pytest.raises(ModelError, match="Two has no part 'c'; there is a, b"):
-        faulty(seen, "c")
 
 
 # --- time ----------------------------------------------------------------------------------------------------------
