@@ -178,6 +178,7 @@ def _shape(cls: Any) -> tuple[dict[str, tuple[Sort, PowerUpValue]], dict[str, ty
 
 
 def hints(cls: type[Model], thing: Any) -> dict[str, Any]:
+    """The annotations of a model, its step or a bundle, as objects; `ModelError` for a name that is not defined."""
     try:
         return typing.get_type_hints(thing, localns={**cls._locals, cls.__name__: cls}, include_extras=True)
     except NameError as error:
@@ -185,6 +186,7 @@ def hints(cls: type[Model], thing: Any) -> dict[str, Any]:
 
 
 def is_bundle(annotation: Any) -> bool:
+    """Whether an annotation is a named tuple of signals."""
     return isinstance(annotation, type) and issubclass(annotation, tuple) and hasattr(annotation, "_fields")
 
 

@@ -49,7 +49,7 @@ class Clock:
         return f"every {float(self.period * 1_000_000):g} us"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class State:
     """One register: its variable, the term of its next value, and what it holds at power-up."""
 
@@ -61,6 +61,13 @@ class State:
     def path(self) -> str:
         """Full name, e.g. `a.acc`."""
         return str(self.var.attr)
+
+    def __eq__(self, other: object) -> bool:
+        same = isinstance(other, State) and self.var is other.var and self.next is other.next
+        return same and self.power_up == other.power_up  # type: ignore[attr-defined]
+
+    def __hash__(self) -> int:
+        return hash((self.var, self.next))
 
 
 @dataclass(frozen=True)

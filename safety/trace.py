@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import operator
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -320,14 +321,17 @@ def _in_range(system: System, chosen: Mapping[str, Any]) -> None:
 
 def _checked(system: System, row: Row, names: list[str], step: int, before: list[Any]) -> list[Any]:
     """The inputs of a step in order; values that are those of the step before need no second look."""
-    if len(row) != len(names) or any(name not in row for name in names):
+    try:
+        values = [row[name] for name in names]
+    except KeyError:
+        values = []
+    if len(row) != len(names) or len(values) != len(names):
         for name in row:
             if name not in system.inputs:
                 raise ModelError(f"{system.name} has no input {name!r} (step {step}); {nearest(name, names)}")
         missing = ", ".join(name for name in names if name not in row)
         raise ModelError(f"step {step} of {system.name} lacks the input {missing}")
-    values = [row[name] for name in names]
-    if len(before) == len(values) and all(x is y for x, y in zip(values, before, strict=True)):
+    if len(before) == len(values) and all(map(operator.is_, values, before)):
         return before
     for name, value in zip(names, values, strict=True):
         sort = system.inputs[name].sort

@@ -190,8 +190,11 @@ class _Question:
 
     def limit(self, order: int) -> None:
         """At most so many faults."""
-        ones = [self.k.If(p, self.k.IntVal(1), self.k.IntVal(0)) for p in self.present.values()]
-        self.solver.add(sum(ones, self.k.IntVal(0)) <= order)
+        present = list(self.present.values())
+        if present and self.solver.name == "z3":
+            self.solver.add(self.k.AtMost(*present, order))
+        elif present:  # the other interface has no such word
+            self.solver.add(self.k.Sum([self.k.If(p, self.k.IntVal(1), self.k.IntVal(0)) for p in present]) <= order)
 
     def exclude(self, chosen: tuple[str, ...]) -> None:
         """Neither these faults together nor more than these."""

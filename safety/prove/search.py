@@ -166,13 +166,15 @@ def scripted(problem: Problem, script: Scenario, keep: Sequence[str] | None = No
     present = {present_name(i): fault.name in script.present for i, fault in enumerate(problem.faults)}
     start = {path: value for path, value in present.items() if path in system.state} | dict(script.start)
     fixed, moving = _choices(problem, script)
+    functions = list(dict.fromkeys(moving.values()))
     rows: dict[tuple[Any, ...], dict[str, Any]] = {}
 
     def row(k: int) -> dict[str, Any]:
-        now = tuple(f(k) for f in moving.values())
+        now = tuple([f(k) for f in functions])
         if now not in rows:
             rows.clear()
-            rows[now] = fixed | dict(zip(moving, now, strict=True))
+            by_function = dict(zip(functions, now, strict=True))
+            rows[now] = fixed | {path: by_function[f] for path, f in moving.items()}
         return rows[now]
 
     trace = run(system, row, script.steps, start=start, keep=keep)
@@ -187,6 +189,10 @@ def _choices(problem: Problem, script: Scenario) -> tuple[dict[str, Any], dict[s
 
     A fault's choices within a step of several (`... (step 0)`) are all that of the step.
     """
+
+    def begun(step: int) -> bool:
+        return step >= script.at
+
     fixed: dict[str, Any] = {}
     moving: dict[str, Callable[[int], Any]] = {}
     values = dict(script.values)
@@ -200,7 +206,7 @@ def _choices(problem: Problem, script: Scenario) -> tuple[dict[str, Any], dict[s
             base = re.sub(r" \(step \d+\)$", "", path)
             place = base.partition(".")[2].removesuffix(".value")
             places.add(place)
-            wanted = (lambda k: k >= script.at) if base in onsets else values.get(place, wanted)
+            wanted = begun if base in onsets else values.get(place, wanted)
         if callable(wanted):
             moving[path] = wanted
         else:

@@ -119,7 +119,7 @@ def broken(place: str, value: Any) -> str:
     ("text", "message"),
     [
         ("", r"line 1, column 1: .*; expected JSON"),
-        ('{"schema": 1,\n}', r"line 2, column 1: .*; expected JSON"),
+        ('{"schema": 1\n "rates"}', r"line 2, column 2: .*; expected JSON"),
         ("[]", r"top: Expected `object`, got `array`"),
         ("{}", r'schema: None; expected "rightside/1"'),
         ('{"schema": "rightside/2"}', r'schema: \'rightside/2\'; expected "rightside/1"'),
