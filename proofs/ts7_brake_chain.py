@@ -24,7 +24,7 @@ from proofs.ts7_formulas import (
     named,
     potential,
 )
-from safety import Bit, Int, Seen, UInt, age, any_of, at_least, new_fault, select, word
+from safety import Bit, Int, Seen, UInt, age, all_of, any_of, at_least, new_fault, select, word
 
 CHANNELS = "abc"
 OFFSET = 4  # greatest error of a healthy channel's threshold, words
@@ -40,6 +40,8 @@ class Chain:
     blind: Callable[[Seen, str], Bit] = lambda s, n: any_of()  # channel n does not see the overspeed
     mute: Callable[[Seen, str], Bit] = lambda s, n: any_of()  # relay NBRR of channel n does not fall
     unheard: Callable[[Seen], Bit] = lambda s: any_of()  # relay NB does not fall
+    broken: Callable[[Seen, str], Bit] = lambda s, n: any_of()  # channel n as a whole: its limit does not count
+    offset: Callable[[Seen, str], Int] = lambda s, n: word(0, 1).int()  # error of the threshold of channel n
 
     @property
     def latched(self) -> int:
@@ -57,8 +59,14 @@ class Chain:
         return self.voted + RELEASE + 2
 
     def overspeed(self, s: Seen) -> Bit:
-        """The train is at least `words` above every healthy limit, and no fault strikes at this step."""
-        return (s.speed >= PER_WORD * (permitted(s) + OFFSET + self.words)) & ~new_fault(s)
+        """The train is at least `words` above the limit of every channel not broken, and no fault begins now."""
+        above = (self.broken(s, n) | (s.speed >= PER_WORD * (self.limit(s, n) + self.words)) for n in CHANNELS)
+        return all_of(*above) & ~new_fault(s)
+
+    def limit(self, s: Seen, n: str) -> UInt:
+        """The limit of channel n when it is healthy and not lowered; a stop stays a stop."""
+        allowed = permitted(s)
+        return select(allowed == 0, allowed, (allowed + self.offset(s, n)).sat(8))
 
     def since(self, s: Seen) -> Int:
         """For how many frames, up to the end of the chain."""

@@ -146,6 +146,10 @@ def _premises(problem: Problem, outcome: Outcome, limits: Limits) -> None:
     """Show that each premise (with the assumptions) can happen; a claim that never says anything is vacuous."""
     met = _witnessed(problem)
     for i, premise in enumerate(problem.premises):
+        if i in met and outcome.verdict == BOUNDED and met[i] >= (outcome.steps or 0):
+            if _bounded(problem, premise, limits).run is None:
+                _too_short(outcome, met[i])
+                return
         if i not in met:
             found = _bounded(problem, premise, limits)
             if found.run is None:
@@ -168,6 +172,15 @@ def _witnessed(problem: Problem) -> dict[int, int]:
             f"{problem.claim.id}: its witness never reaches the premise in {witness.steps} steps; mend the witness"
         )
     return met
+
+
+def _too_short(outcome: Outcome, met: int) -> None:
+    """A search that ends before the premise can happen bounds nothing."""
+    outcome.why = (
+        f"{outcome.why}; the search of {outcome.steps} steps ends before the premise can happen "
+        f"(it was seen at step {met}), so it says nothing"
+    ).removeprefix("; ")
+    outcome.verdict, outcome.steps, outcome.agreed_by, outcome.method = UNDECIDED, None, [], ""
 
 
 def _unmet(problem: Problem, outcome: Outcome, premise: Bit, found: search.Found, limits: Limits) -> None:
