@@ -1,4 +1,4 @@
-"""TS-7: what defeats it.  Each claim here says that the train is braked, and a replayed run shows that it is not.
+"""TS-7: what defeats it.  Refuted claims say that the train is braked; a replayed run shows that it is not.
 
 All runs: signal 65, released at a low speed; the fault strikes; then the train is 8 words (3.8 km/h) too fast for 5104
 frames (0.64 s) and more, and neither brake comes.  An oscillator that is too fast is represented in its own frames,
@@ -64,19 +64,21 @@ def defeated(*faults: Fault, source: str) -> Callable[[Formula], Formula]:
 
 @defeated(NAMED["speed generator dead"], source="[P] one axle speed generator")
 def brakes_with_a_dead_generator(s: Seen) -> Bit:
-    """Generator dead: no f_v in any channel, and no pulses means no overspeed."""
+    """With the speed generator dead, overspeed still brakes.  False: no f_v in any channel, and no pulses means no speed."""
     return brakes(s)
 
 
 @defeated(NAMED["wrong row in all channels"], source="[P] contents in a matrix that is exchanged alone")
 def brakes_with_the_same_wrong_row(s: Seen) -> Bit:
-    """The row of 90 km/h in place of 65 in all three matrices: the vote is unanimous and wrong."""
+    """With the row of 90 km/h in place of 65 in all matrices, overspeed still brakes.  False: the vote is unanimous and
+    wrong."""
     return brakes(s)
 
 
 @defeated(NAMED["signal lines wire-ORed with 25"], source="[A] rows ORed onto the columns")
 def brakes_with_wire_ored_rows(s: Seen) -> Bit:
-    """Two rows at once: 25 ORed with 65 reads as 90 km/h, more permissive than either."""
+    """With the line of 25 ORed onto that of 65, overspeed still brakes.  False: the two read as 90 km/h, more permissive
+    than either."""
     return brakes(s)
 
 
@@ -84,7 +86,7 @@ def brakes_with_wire_ored_rows(s: Seen) -> Bit:
        twin_of=brakes_with_one_channel_broken, scenario=Scenario(8000, {"lines.s25": True, "lines.s65": True,
        "inverter": True, "speed": lambda k: PER_WORD * (30 if k < LATE else 100)}))  # fmt: skip
 def brakes_with_two_lines_on_wired_rows(s: Seen) -> Bit:
-    """Without any broken part: on a matrix with wired rows, lines 25 and 65 together permit 90 km/h."""
+    """On a matrix with wired rows and no broken part, overspeed brakes.  False: lines 25 and 65 together permit 90."""
     return brakes(s)
 
 
@@ -126,7 +128,8 @@ def demands_with_the_wheel_one_step_too_small(s: Seen) -> Bit:
        source="[P] one switch for all", scenario=at_92(2),
        twin_of=demands_with_the_wheel_one_step_too_small)  # fmt: skip
 def demands_with_the_wheel_two_steps_too_small(s: Seen) -> Bit:
-    """Two steps too small: 2.0 km/h above 90 no channel demands the brake, and none ever will."""
+    """Wheel switch two steps (20 mm) too small at 820 mm: 2.0 km/h above 90 some channel demands the brake after 1.3 s.
+    False: none does, for they read less than 90."""
     return implies(persists(two_too_fast(s), SLOWEST), s.a.brake | s.b.brake | s.c.brake)
 
 
@@ -135,7 +138,8 @@ def demands_with_the_wheel_two_steps_too_small(s: Seen) -> Bit:
 
 @defeated(SHARED_FAST, source="[A] one oscillator for all")
 def brakes_with_a_fast_shared_oscillator(s: Seen) -> Bit:
-    """An oscillator shared by all, 6.7 % fast: every reference is too high, and every window in proportion."""
+    """With an oscillator shared by all, 6.7 % fast, overspeed still brakes.  False: every reference is too high, and
+    every window in proportion."""
     return brakes(s)
 
 
@@ -146,7 +150,7 @@ SILENT_PAIR = [NAMED["a: latch at release"], NAMED["b: no f_v"]]
 
 @defeated(*SILENT_PAIR, source="[P] two out of three")
 def brakes_with_two_silent_channels(s: Seen) -> Bit:
-    """A never-brake channel that nobody noticed, and a second one: one vote, no brake."""
+    """With two channels that never brake, overspeed still brakes.  False: one vote is left."""
     return brakes(s)
 
 
@@ -154,7 +158,8 @@ def brakes_with_two_silent_channels(s: Seen) -> Bit:
        twin_of=brakes_with_one_channel_broken, scenario=too_fast(8, CHAIN.braked + 6000,
        present=[f.name for f in SILENT_PAIR], at=LATE))  # fmt: skip
 def the_healthy_channel_stays_in_service(s: Seen) -> Bit:
-    """With two silent channels the healthy one stands alone: synchronisation isolates it, and EB does not come."""
+    """With two silent channels the healthy one stays in service, or EB comes.  False: it stands alone, synchronisation
+    isolates it, and EB does not come."""
     return ~s.targets.c | s.eb
 
 
@@ -178,7 +183,7 @@ def the_window_is_blind_to_drift(s: Seen) -> Bit:
 @claim(Ts7, faults=any_of_faults([A_FAST, NAMED["a: ring stuck"]]), expect=REFUTED, requirement="TS7-11",
        twin_of=the_window_is_blind_to_drift, scenario=Scenario(600, present=["a: ring stuck"]))  # fmt: skip
 def the_window_is_blind_to_a_stuck_ring(s: Seen) -> Bit:
-    """The window does find a ring that stands still."""
+    """The check window never finds a ring that stands still.  False: it does."""
     return ~s.a.fault
 
 
@@ -191,7 +196,7 @@ def the_vote_masks_a_fast_oscillator(s: Seen) -> Bit:
 
 @defeated(A_FAST, NAMED["b: latch at release"], source="[P] two out of three")
 def brakes_with_a_fast_oscillator_and_a_silent_channel(s: Seen) -> Bit:
-    """Masked until a second fault: one channel fast, another silent, no brake."""
+    """With one channel's oscillator fast and another channel silent, overspeed still brakes.  False: one vote is left."""
     return brakes(s)
 
 
@@ -200,5 +205,6 @@ def brakes_with_a_fast_oscillator_and_a_silent_channel(s: Seen) -> Bit:
 
 @defeated(NAMED["NB output welded"], source="[A] one output contact")
 def brakes_with_a_welded_output_contact(s: Seen) -> Bit:
-    """NB output contact welded after the vote: three channels brake, the train does not; EB is not asked."""
+    """With the NB output contact welded, overspeed still brakes.  False: three channels brake, the train does not, and EB
+    is not asked."""
     return brakes(s)

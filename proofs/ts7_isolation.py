@@ -5,8 +5,10 @@ One step is one frame, 125 us; speeds and limits in words (1 word = 0.47124 km/h
 time to follow, and the time is T_sync.
 Source: the rule [P]; level rule, T_sync, lowering by 4 words, relay times [A].
 
-Main results: limits 1 word (0.47 km/h) apart never isolate a healthy channel, at any phases and changes of speed above
-the lowest limit; 2 words apart they can.  An ordinary release isolates a healthy channel even with equal limits.
+Main results: with one signal, the true wheel set and the speed always above the lowest limit, limits within 1 word
+(0.47 km/h) never isolate a healthy channel, at any phases; at 25 km/h this is proved for T_sync of 4020 frames and
+more only, not for the 4000 that the model takes.  2 words apart can isolate one.  Even with equal limits an ordinary
+release isolates a healthy channel, and so does a relay NBRR that operates a frame before the others at power-up.
 """
 
 from __future__ import annotations
@@ -149,7 +151,8 @@ def declared_at(line: str) -> Formula:
     """The claim for one signal."""
 
     def nobody_isolated_within_one_word(s: Seen) -> Bit:
-        """Limits within 1 word of each other, the speed never below the lowest: no healthy channel is isolated."""
+        """One signal, wheel as set, limits within 1 word of each other, speed above the lowest, T_sync of 4000 frames or
+        more (at 25 km/h: of 4020, so not the 4000 of the model): no healthy channel is isolated."""
         return nobody_isolated(s)
 
     lemmas = [in_service, *(f for n in CHANNELS for f in Following(WORDS[line]).lemmas(n))]
@@ -166,7 +169,8 @@ WITHIN_ONE_WORD = {line: declared_at(line) for line in T_SYNC_OF}
        source="[A] +-2.0 km/h as words", twin_of=WITHIN_ONE_WORD["s65"],
        scenario=released_then(1500, lambda k: 136.5, 16_000))  # fmt: skip
 def nobody_isolated_within_four_words(s: Seen) -> Bit:
-    """Limits 4 words apart, all healthy: half a word above the lowest, the early one is isolated."""
+    """All healthy, limits within 4 words of each other: no channel is isolated.  False: half a word above the lowest
+    limit the others, lowered by 4, follow too late, and the early one is isolated."""
     return nobody_isolated(s)
 
 
@@ -178,7 +182,8 @@ def nobody_isolated_within_four_words(s: Seen) -> Bit:
            **{f"common.{r}.closed": True for r in (
                "a.chr_relay", "b.chr_relay", "c.chr_relay", "b.nbrr_relay", "c.nbrr_relay")}}))  # fmt: skip
 def nobody_isolated_within_two_words(s: Seen) -> Bit:
-    """The bound is exact: limits 2 words apart, a speed just above the lowest, and the early one is isolated."""
+    """Signal 75, wheel as set, limits within 2 words of each other, speed above the lowest: no healthy channel is
+    isolated.  False: just above the lowest the others follow too late, and the early one is."""
     return nobody_isolated(s)
 
 
@@ -193,7 +198,8 @@ def isolation_needs_a_brake(s: Seen) -> Bit:
 @claim(SettlingCommonPart, given=no_fault_found, symbolic=T_SYNC, expect=PROVED, requirement="TS7-10",
        source="[A] a window ends with the last brake command", witness=SILENT_JUST_AFTER_A_WINDOW_OPENED)  # fmt: skip
 def nobody_isolated_after_all_released(s: Seen) -> Bit:
-    """If windows end with the last brake command, nobody is isolated once all channels have released."""
+    """If windows end with the last brake command, a channel that finds no fault in itself is isolated only while some
+    channel brakes."""
     return isolation_needs_a_brake(s)
 
 
@@ -201,7 +207,8 @@ def nobody_isolated_after_all_released(s: Seen) -> Bit:
        source="[A] 1.6", twin_of=nobody_isolated_after_all_released,
        scenario=demands(6000, a=[(1000, 2000)], b=[(1000, 1500)], c=[(1000, 1500)]))  # fmt: skip
 def nobody_isolated_after_all_released_in_the_reference(s: Seen) -> Bit:
-    """In the reference a channel that merely releases 500 frames after the others is isolated, 3500 frames later."""
+    """In the reference, too, a channel that finds no fault in itself is isolated only while some channel brakes.  False:
+    one that merely releases 500 frames after the others is isolated 3500 frames later."""
     return isolation_needs_a_brake(s)
 
 
@@ -210,6 +217,18 @@ def nobody_isolated_after_all_released_in_the_reference(s: Seen) -> Bit:
        scenario=released_then(1500, lambda k: 150 if k < 5000 else 130, 11_000,
                               a__div0__n=8, b__div0__n=3))  # fmt: skip
 def nobody_isolated_by_an_ordinary_release(s: Seen) -> Bit:
-    """Three healthy channels with equal limits, apart only in the phase of a divider: after one brake and its release
-    a window opens on the two that still brake, takes the first to release for silent, and isolates it."""
+    """Three healthy channels with equal limits, apart only in the phase of a divider: one brake and its release isolate
+    nobody.  False: a window opens on the two that still brake, and the first to release is isolated as silent."""
+    return nobody_isolated(s)
+
+
+# --- power-up ------------------------------------------------------------------------------------------------------
+
+
+@claim(Ts7, expect=REFUTED, defeat=True, requirement="TS7-10", source="[A] relay times; level rule",
+       settings={f"common.{n}.nbrr_relay.operate": frames for n, frames in zip(CHANNELS, (240, 241, 241), strict=True)},
+       twin_of=WITHIN_ONE_WORD["s65"], scenario=Scenario(4600, {**SIGNAL_65, "speed": 30 * PER_WORD}))  # fmt: skip
+def nobody_isolated_at_power_up_with_unequal_relays(s: Seen) -> Bit:
+    """All healthy, equal limits, NBRR of a operates in 240 frames, those of b and c in 241: power-up isolates nobody.
+    False: for a frame b and c alone brake, the window takes a for silent, and isolates it T_sync later."""
     return nobody_isolated(s)

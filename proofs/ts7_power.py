@@ -6,6 +6,8 @@ Source: always energised relays, loss of both sources, automatic change-over, du
 
 Main results: without supply NB and EB are there one frame after the release time; any opened coil, wire or contact
 behind the vote brakes, in one channel it costs one vote; a change-over brakes for 1120 frames at most.
+What is said of the change-over assumes that relays of a kind take equal times and that no channel is isolated meanwhile:
+with unequal times power-up isolates a healthy channel (`ts7_isolation.nobody_isolated_at_power_up_with_unequal_relays`).
 """
 
 from __future__ import annotations
@@ -80,14 +82,15 @@ POWER_FAILS = Scenario(1500, {**RUNS, "inverter": lambda k: k < 1000, "mg": Fals
 @claim(Ts7, symbolic=RELEASES, expect=PROVED, lemmas=[outputs_fall], requirement="TS7-15", source="[P] 1.7",
        witness=POWER_FAILS)  # fmt: skip
 def stops_a_frame_after_the_release_time(s: Seen) -> Bit:
-    """Loss of both sources, for any release times: NB and EB one frame after them; no change-over gap adds to it."""
+    """Loss of both sources, for any release times of NB and EB: both brakes one frame after these, whoever is isolated;
+    no change-over gap adds to it."""
     return stops_without_power(s, 1)
 
 
 @claim(Ts7, symbolic=RELEASES, expect=REFUTED, requirement="TS7-15", scenario=POWER_FAILS,
        twin_of=stops_a_frame_after_the_release_time)  # fmt: skip
 def stops_at_the_release_time(s: Seen) -> Bit:
-    """The time is exact: a frame earlier the brakes are still released."""
+    """Loss of both sources, for any release times of NB and EB: both brakes after just these.  False: a frame later."""
     return stops_without_power(s, 0)
 
 
@@ -113,13 +116,15 @@ INVERTER_FAILS = Scenario(3000, {**RUNS, "inverter": lambda k: k < 1000})
 @claim(Ts7, expect=PROVED, lemmas=[comes_back], requirement="TS7-15", source="[P] automatic change-over; 50 ms [A]",
        witness=INVERTER_FAILS)  # fmt: skip
 def inverter_loss_is_no_permanent_stop(s: Seen) -> Bit:
-    """Inverter lost, motor-generator healthy, no channel asks for a brake: released after 1121 frames (0.14 s)."""
+    """Inverter lost, motor-generator healthy, no channel asks for a brake or is isolated meanwhile, relays of a kind take
+    equal times: released after 1121 frames (0.14 s)."""
     return implies(persists(on_the_generator(s), BACK), ~s.nb & ~s.eb)
 
 
 @claim(Ts7, expect=REFUTED, requirement="TS7-15", scenario=INVERTER_FAILS, twin_of=inverter_loss_is_no_permanent_stop)
 def inverter_loss_is_no_stop_of_1121_frames(s: Seen) -> Bit:
-    """The time is exact: a frame earlier NB is still applied."""
+    """Inverter lost, motor-generator healthy, no channel asks for a brake or is isolated meanwhile, relays of a kind take
+    equal times: released after 1120 frames.  False: NB is still applied then."""
     return implies(on_the_generator(s) & (age(on_the_generator(s), BACK) >= BACK - 2), ~s.nb & ~s.eb)
 
 
@@ -143,7 +148,8 @@ def gap_within(frames: int) -> Formula:
 @claim(Ts7, given=gap_within(RELEASE), start=all_up, anywhere=True, symbolic=("power.gap",), expect=PROVED,
        lemmas=[all_up], requirement="TS7-15", source="[D] gap up to the release time")  # fmt: skip
 def a_short_change_over_does_not_brake(s: Seen) -> Bit:
-    """A change-over within the release time (160 frames), however often the inverter fails: no brake at all."""
+    """A change-over within the release time (160 frames, the same for all relays), no channel asks for a brake or is
+    isolated meanwhile, however often the inverter fails: no brake at all."""
     return ~s.nb & ~s.eb
 
 
@@ -157,7 +163,8 @@ RELEASED = {
        requirement="TS7-15", twin_of=a_short_change_over_does_not_brake,
        scenario=Scenario(300, {"lines.s65": True, "mg": True}, {"power.gap": 161, **RELEASED}))  # fmt: skip
 def a_change_over_of_161_frames_does_not_brake(s: Seen) -> Bit:
-    """The bound is exact: a gap of one frame more drops the relays."""
+    """A change-over within 161 frames, relays that all release in 160, no channel asks for a brake or is isolated
+    meanwhile: no brake at all.  False: a gap of one frame more drops the relays."""
     return ~s.nb & ~s.eb
 
 
@@ -171,8 +178,13 @@ def opens(*points: str) -> list[Fault]:
 
 NO_SUPPLY = Fault(stuck(0), ["power.supply"], ANY_TIME, name="common supply lost")
 BEHIND_THE_VOTE = [*opens("nb_relay.coil", "nb_relay.contact", "eb_relay.coil", "eb_relay.contact"), NO_SUPPLY]
-NO_SUPPLY_A = Fault(stuck(0), ["common.a.supply"], ANY_TIME, name="supply of channel a lost")
-IN_CHANNEL_A = [*opens(*(f"a.{r}_relay.{p}" for r in ("nbrr", "chr") for p in ("coil", "contact"))), NO_SUPPLY_A]
+IN_CHANNEL = {
+    n: [
+        *opens(*(f"{n}.{r}_relay.{p}" for r in ("nbrr", "chr") for p in ("coil", "contact"))),
+        Fault(stuck(0), [f"common.{n}.supply"], ANY_TIME, name=f"supply of channel {n} lost"),
+    ]
+    for n in CHANNELS
+}
 
 
 def struck_for(s: Seen, faults: list[Fault], frames: int) -> Int:
@@ -202,34 +214,46 @@ def what_opens_behind_the_vote_brakes(s: Seen) -> Bit:
 @claim(Ts7, faults=any_of_faults(BEHIND_THE_VOTE), expect=REFUTED, requirement="TS7-1", scenario=NB_OPENS,
        twin_of=what_opens_behind_the_vote_brakes)  # fmt: skip
 def what_opens_behind_the_vote_brakes_a_frame_earlier(s: Seen) -> Bit:
-    """The time is exact: within 160 frames it need not."""
+    """Coil open or broken wire of the voted NB or EB, or loss of the common supply: NB or EB within 160 frames.  False:
+    the relay releases a frame later."""
     return implies(struck_for(s, BEHIND_THE_VOTE, RELEASE) >= RELEASE - 1, s.nb | s.eb)
 
 
-def vote_of_a_falls(s: Seen) -> Bit:
-    """After a fault in channel a's relays, NBRR is open, or its release time runs, for CHR first that of CHR."""
-    t, relays = struck_for(s, IN_CHANNEL_A, 2 * RELEASE), s.common.a
-    own = struck(s, *(f.name for f in IN_CHANNEL_A[:2]), NO_SUPPLY_A.name) & falls(relays.nbrr_relay, t)
-    in_service = struck(s, "a.chr_relay.coil open") & falls(relays.chr_relay, t) & falls(relays.nbrr_relay, t - RELEASE)
-    contact = struck(s, "a.chr_relay.contact open") & falls(relays.nbrr_relay, t)
-    return (t == 0) | own | in_service | contact | struck(s, "a.nbrr_relay.contact open")
+def vote_falls(n: str) -> Formula:
+    """Lemma: after a fault in the relays of channel n, NBRR is open, or its release time runs, for CHR first its own."""
+    coil, out, chr_coil, chr_out, supply = (fault.name for fault in IN_CHANNEL[n])
+
+    def lemma(s: Seen) -> Bit:
+        t, nbrr = struck_for(s, IN_CHANNEL[n], 2 * RELEASE), s.common[n].nbrr_relay
+        at_once = struck(s, coil, chr_out, supply) & falls(nbrr, t)
+        by_chr = struck(s, chr_coil) & falls(s.common[n].chr_relay, t) & falls(nbrr, t - RELEASE)
+        return (t == 0) | at_once | by_chr | struck(s, out)
+
+    return named(f"the vote of {n} falls", lemma)
+
+
+def opened(s: Seen, n: str) -> Bit:
+    """Something in channel n has been open for twice the release time."""
+    return struck_for(s, IN_CHANNEL[n], 2 * RELEASE) >= 2 * RELEASE
 
 
 A_OPENS = Scenario(1500, RUNS, present=["a.chr_relay.coil open"], at=1000)
 
 
-@claim(Ts7, faults=any_of_faults(IN_CHANNEL_A), expect=PROVED, lemmas=[vote_of_a_falls], requirement="TS7-1",
-       source="[P] always energised; rule (a) [A]", witness=A_OPENS)  # fmt: skip
+@claim(Ts7, faults=any_of_faults([f for n in CHANNELS for f in IN_CHANNEL[n]]), expect=PROVED, requirement="TS7-1",
+       lemmas=[vote_falls(n) for n in CHANNELS], source="[P] always energised; rule (a) [A]",
+       witness=A_OPENS)  # fmt: skip
 def what_opens_in_a_channel_votes_to_brake(s: Seen) -> Bit:
-    """The same in one channel (relays NBRR, CHR, its supply): the channel votes to brake within 321 frames."""
-    return implies(struck_for(s, IN_CHANNEL_A, 2 * RELEASE) >= 2 * RELEASE, s.brakes.a)
+    """The same in any of the channels (relays NBRR, CHR, its supply): that channel votes to brake within 321 frames."""
+    votes = all_of(*(~opened(s, n) | s.brakes[n] for n in CHANNELS))
+    return implies(any_of(*(opened(s, n) for n in CHANNELS)), votes)
 
 
-@claim(Ts7, faults=any_of_faults(IN_CHANNEL_A), expect=REFUTED, requirement="TS7-1", scenario=A_OPENS,
+@claim(Ts7, faults=any_of_faults(IN_CHANNEL["a"]), expect=REFUTED, requirement="TS7-1", scenario=A_OPENS,
        twin_of=what_opens_in_a_channel_votes_to_brake)  # fmt: skip
 def what_opens_in_a_channel_brakes_the_train(s: Seen) -> Bit:
-    """One vote is not two: what opens in one channel alone does not brake the train."""
-    return implies(struck_for(s, IN_CHANNEL_A, 2 * RELEASE) >= 2 * RELEASE, s.nb | s.eb)
+    """What opens in channel a alone brakes the train within 321 frames.  False: one vote is not two."""
+    return implies(opened(s, "a"), s.nb | s.eb)
 
 
 # --- emergency brake -----------------------------------------------------------------------------------------------
@@ -259,14 +283,14 @@ def two_isolated_channels_apply_eb(s: Seen) -> Bit:
 
 @claim(CommonPart, expect=REFUTED, requirement="TS7-14", scenario=TWO_FAULTS, twin_of=two_isolated_channels_apply_eb)
 def two_isolated_channels_apply_eb_a_frame_earlier(s: Seen) -> Bit:
-    """The time is exact."""
+    """Two isolated channels: EB within 320 frames.  False: it takes a frame more."""
     return implies(two_cut(s) & (age(two_cut(s), 2 * RELEASE + 1) >= 2 * RELEASE - 1), s.eb)
 
 
 @claim(CommonPart, expect=REFUTED, requirement="TS7-14", twin_of=two_isolated_channels_apply_eb,
        scenario=Scenario(1500, {"supply": True, "a.fault": lambda k: k == 1000}))  # fmt: skip
 def one_isolated_channel_applies_eb(s: Seen) -> Bit:
-    """One isolated channel does not apply EB."""
+    """One isolated channel applies EB.  False: it takes two."""
     cut = any_of(*(s.sync[f"cut_{n}"] for n in CHANNELS))
     return implies(persists(cut, 2 * RELEASE + 1), s.eb)
 
@@ -296,12 +320,12 @@ def any_reverse_detection_applies_eb(s: Seen) -> Bit:
        twin_of=any_reverse_detection_applies_eb,
        scenario=Scenario(3000, BACKWARD.inputs, present=[f.name for f in ONE_FINDS_IT]))  # fmt: skip
 def any_reverse_detection_applies_eb_a_frame_earlier(s: Seen) -> Bit:
-    """The time is exact."""
+    """Any channel that detects reverse motion for 160 frames applies EB.  False: it takes a frame more."""
     return implies(rolls_back(s) & (age(rolls_back(s), RELEASE + 1) >= RELEASE - 1), s.eb)
 
 
 @claim(Ts7, expect=REFUTED, requirement="TS7-13", twin_of=any_reverse_detection_applies_eb,
        scenario=Scenario(6000, {**RUNS, "backward": lambda k: 1000 <= k < 3000}))  # fmt: skip
 def eb_stays_once_applied_by_reverse_motion(s: Seen) -> Bit:
-    """EB is held after reverse motion has ended: not in this model, and not published."""
+    """EB is held after reverse motion has ended.  False: not in this model, and not published."""
     return implies(once(rolls_back(s) & s.eb), s.eb)

@@ -88,7 +88,7 @@ def synchronisation_isolates_at_most_one(s: Seen) -> Bit:
 
 @claim(CommonPart, expect=REFUTED, requirement="TS7-14", twin_of=synchronisation_isolates_at_most_one)
 def at_most_one_is_ever_isolated(s: Seen) -> Bit:
-    """At most one is isolated, also by the channels' own checks: false, two may find themselves faulty."""
+    """At most one channel is ever isolated, the channels' own checks included.  False: two may find themselves faulty."""
     return count(*three(s, "targets.")) <= 1
 
 
@@ -113,7 +113,7 @@ def a_pair_that_agrees_is_not_isolated(s: Seen) -> Bit:
 @claim(CommonPart, given=no_fault_found, symbolic=T_SYNC, expect=REFUTED, requirement="TS7-10", anywhere=True,
        start=windows_in_order, twin_of=a_pair_that_agrees_is_not_isolated)  # fmt: skip
 def a_pair_is_not_isolated(s: Seen) -> Bit:
-    """The same without the premise: one of two that disagree may be isolated."""
+    """Of two healthy channels neither is isolated, whatever the third does.  False: one of two that disagree may be."""
     return ~newly_cut(s, "b") & ~newly_cut(s, "c")
 
 
@@ -179,14 +179,16 @@ def silence_ends_in_isolation(s: Seen) -> Bit:
 @claim(CommonPart, symbolic=T_SYNC, expect=REFUTED, requirement="TS7-7", twin_of=silence_ends_in_isolation,
        scenario=SILENT_JUST_AFTER_A_WINDOW_OPENED)  # fmt: skip
 def silence_ends_in_isolation_a_frame_earlier(s: Seen) -> Bit:
-    """The time is exact: a channel that falls silent just after a window opened is found by the next one only."""
+    """While two channels brake and the third does not, somebody is isolated within two windows.  False: one that falls
+    silent just after a window opened is found at the end of the next, a frame later."""
     return ends_in_isolation(s, 2, 0)
 
 
 @claim(EdgeCommonPart, symbolic=T_SYNC, expect=REFUTED, requirement="TS7-7", source="edge rule [A]",
        twin_of=silence_ends_in_isolation, scenario=ALL_BRAKE_THEN_C_IS_SILENT)  # fmt: skip
 def silence_ends_in_isolation_by_the_edge_rule(s: Seen) -> Bit:
-    """Edge rule: a channel that falls silent while all three brake is never noticed, for nobody starts to brake."""
+    """Edge rule: while two channels brake and the third does not, somebody is isolated within two windows and a frame.
+    False: one that falls silent while all three brake is never noticed, for nobody starts to brake."""
     return ends_in_isolation(s, 2, 1)
 
 
@@ -229,7 +231,8 @@ def silence_from_the_start_ends_in_isolation(s: Seen) -> Bit:
 @claim(CommonPart, symbolic=T_SYNC, expect=REFUTED, requirement="TS7-7", scenario=C_NEVER_BRAKES,
        twin_of=silence_from_the_start_ends_in_isolation)  # fmt: skip
 def silence_from_the_start_ends_in_isolation_a_frame_earlier(s: Seen) -> Bit:
-    """The time is exact: T_sync frames alone do not do."""
+    """A silent channel that no open window has seen brake: somebody is isolated within one window.  False: it takes a
+    frame more."""
     return isolated_in_one_window(s, 0)
 
 
@@ -253,28 +256,34 @@ def timed_alone(n: str) -> Formula:
     return named(f"the lone brake of {n} is timed by its window", lemma)
 
 
-def isolated_alone(s: Seen, n: str, spare: int) -> Bit:
-    """After T_sync and some spare frames of braking alone, the channel or one before it is isolated."""
+def isolated_alone(s: Seen, n: str, spare: int) -> tuple[Bit, Bit]:
+    """Premise: n has braked alone for T_sync and some spare frames; conclusion: it or one before it is isolated."""
     long = alone(s, n) & (age(alone(s, n), MOST + 1).int() + 1 >= s.sync.frames + spare)
-    return implies(long, s.targets[n] | any_of(*three(s.sync, "cut_")))
+    return long, s.targets[n] | any_of(*three(s.sync, "cut_"))
+
+
+def lone_brakes_are_isolated(s: Seen, spare: int) -> Bit:
+    """The same for each of the three channels."""
+    cases = [isolated_alone(s, n, spare) for n in CHANNELS]
+    return implies(any_of(*(long for long, _ in cases)), all_of(*(~long | ends for long, ends in cases)))
 
 
 A_BRAKES_ALONE = demands(6000, a=[(1000, EVER)], b=[], c=[])
 
 
 @claim(CommonPart, given=no_fault_found, symbolic=T_SYNC, expect=PROVED, requirement="TS7-1",
-       lemmas=[windows_in_order, timed_alone("a")],
+       lemmas=[windows_in_order, *(timed_alone(n) for n in CHANNELS)],
        source="[P] if they do not brake, the first is faulty and is cut off", witness=A_BRAKES_ALONE)  # fmt: skip
 def a_lone_brake_is_isolated(s: Seen) -> Bit:
     """A channel that brakes alone is isolated within one window and a frame."""
-    return isolated_alone(s, "a", 1)
+    return lone_brakes_are_isolated(s, 1)
 
 
 @claim(CommonPart, given=no_fault_found, symbolic=T_SYNC, expect=REFUTED, requirement="TS7-1", scenario=A_BRAKES_ALONE,
        twin_of=a_lone_brake_is_isolated)  # fmt: skip
 def a_lone_brake_is_isolated_a_frame_earlier(s: Seen) -> Bit:
-    """The time is exact."""
-    return isolated_alone(s, "a", 0)
+    """A channel that brakes alone is isolated within one window.  False: it takes a frame more."""
+    return lone_brakes_are_isolated(s, 0)
 
 
 # --- how low the brake can come without need -----------------------------------------------------------------------
@@ -334,5 +343,6 @@ AT_THE_EDGE = {  # released, but the speed pulses as far ahead as a speed within
        expect=REFUTED, requirement="TS7-9", twin_of=no_brake_eight_words_below, scenario=Scenario(
            3000, {**SIGNAL_65, "speed": PER_WORD * (138 - 7)}, AT_THE_EDGE, present=["a"]))  # fmt: skip
 def no_brake_seven_words_below(s: Seen) -> Bit:
-    """The bound is exact: 7 words below, a broken channel a and the lowering bring b and c to brake."""
+    """From rest: one channel, broken in any way, cannot bring NB while the speed stays 7 words below the limit.  False:
+    a broken channel a opens a window, and b and c, lowered, brake."""
     return ~s.nb

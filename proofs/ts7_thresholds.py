@@ -6,7 +6,8 @@ Source: lowering 2 km/h, isolation of the channel that stands alone, two of thre
 rule (a) [A].
 
 Main results: rule (a) keeps the brake under any one channel, rule (b) does not; a healthy pair brakes without need
-only above -4.0 km/h (-2.0 once synchronisation is off); nobody healthy is isolated while the limits lie within
+only above -4.0 km/h (-2.0 once the arbitrary channel is isolated), as long as no healthy channel has been isolated;
+after that there is no such bound at 4.0.  Nobody healthy is isolated while the limits lie within
 2.0 km/h of each other, and the published +-2.0 (4.0 apart) is too much.
 """
 
@@ -65,14 +66,15 @@ def brakes_above_two(s: Seen) -> Bit:
 @claim(BothRemaining, faults=at_most(1, ARBITRARY), symbolic=LIMITS, expect=REFUTED, requirement="TS7-7",
        source="rule (b) [A]", twin_of=brakes_above_two, steps=4)  # fmt: skip
 def brakes_above_two_by_rule_b(s: Seen) -> Bit:
-    """Rule (b): a silent channel has a healthy early one isolated, and then outvotes the other: no brake."""
+    """Rule (b): whatever one channel does, more than 2 km/h too fast brakes.  False: a silent channel has a healthy
+    early one isolated, and then outvotes the other."""
     return implies(s.x > 2, s.nb)
 
 
 @claim(Thresholds, faults=at_most(2, ARBITRARY), symbolic=LIMITS, expect=REFUTED, requirement="TS7-7",
        source="[P] two of three", twin_of=brakes_above_two, steps=3)  # fmt: skip
 def brakes_above_two_with_two_broken(s: Seen) -> Bit:
-    """Two channels broken at once: no brake."""
+    """Rule (a): whatever two channels do, more than 2 km/h too fast brakes.  False: two never brake."""
     return implies(s.x > 2, s.nb)
 
 
@@ -88,7 +90,7 @@ def lowering_only_lowers(s: Seen) -> Bit:
 
 @claim(Thresholds, symbolic=LIMITS, expect=REFUTED, requirement="TS7-8", twin_of=lowering_only_lowers)
 def limits_never_move(s: Seen) -> Bit:
-    """Limits are never lowered."""
+    """Limits are never lowered.  False: those that follow are lowered for a window."""
     return all_of(*(s.limit[n] == s[f"e_{n}"] for n in "abc"))
 
 
@@ -98,14 +100,24 @@ def limits_never_move(s: Seen) -> Bit:
 @claim(Thresholds, faults=at_most(1, ARBITRARY), given=healthy_in_service, symbolic=LIMITS, expect=PROVED,
        requirement="TS7-9", source="[P] +-2.0 and 2 km/h", witness=Scenario(steps=1, inputs={"x": -4}))  # fmt: skip
 def no_brake_up_to_minus_four(s: Seen) -> Bit:
-    """One arbitrary channel cannot make the healthy ones brake 4 km/h or more below the limit."""
+    """One arbitrary channel cannot bring NB 4 km/h or more below the limit, as long as no healthy channel has been
+    isolated."""
+    return implies(s.x <= -4, ~s.nb)
+
+
+@claim(Thresholds, faults=at_most(1, ARBITRARY), symbolic=LIMITS, expect=REFUTED, defeat=True, requirement="TS7-9",
+       source="rule (a) [A]", twin_of=no_brake_up_to_minus_four, steps=4)  # fmt: skip
+def no_brake_up_to_minus_four_whoever_is_isolated(s: Seen) -> Bit:
+    """One arbitrary channel cannot bring NB 4 km/h or more below the limit, whoever has been isolated.  False: it can
+    have a healthy channel isolated near the limit, which then counts as braking, and later brakes itself."""
     return implies(s.x <= -4, ~s.nb)
 
 
 @claim(Thresholds, faults=at_most(1, ARBITRARY), given=healthy_in_service, symbolic=LIMITS, expect=REFUTED,
        requirement="TS7-9", twin_of=no_brake_up_to_minus_four)  # fmt: skip
 def no_brake_up_to_minus_three_and_nine_tenths(s: Seen) -> Bit:
-    """The bound is exact: at -3.9 km/h an arbitrary channel and the lowering brake the train."""
+    """One arbitrary channel cannot bring NB 3.9 km/h or more below the limit, as long as no healthy channel has been
+    isolated.  False: at -3.9 km/h it opens a window, and a lowered healthy channel brakes with it."""
     return implies(s.x <= Fraction(-39, 10), ~s.nb)
 
 
@@ -118,14 +130,15 @@ def once_isolated(s: Seen) -> Bit:
 @claim(Thresholds, faults=at_most(1, ARBITRARY), start=once_isolated, symbolic=LIMITS, expect=PROVED, anywhere=True,
        lemmas=[once_isolated], requirement="TS7-9", source="[P] no further synchronisation")  # fmt: skip
 def no_brake_up_to_minus_two_once_isolated(s: Seen) -> Bit:
-    """Without synchronisation the bound is -2.0 km/h."""
+    """Once the arbitrary channel is isolated, and no healthy one, NB cannot come 2.0 km/h or more below the limit."""
     return implies(s.x <= -2, ~s.nb)
 
 
 @claim(Thresholds, faults=at_most(1, ARBITRARY), start=once_isolated, symbolic=LIMITS, expect=REFUTED, anywhere=True,
        requirement="TS7-9", twin_of=no_brake_up_to_minus_two_once_isolated)  # fmt: skip
 def no_brake_up_to_minus_one_and_nine_tenths_once_isolated(s: Seen) -> Bit:
-    """The bound is exact: at -1.9 km/h a healthy channel may brake, and the isolated one counts as braking."""
+    """Once the arbitrary channel is isolated, and no healthy one, NB cannot come 1.9 km/h or more below the limit.
+    False: at -1.9 km/h a healthy channel may brake, and the isolated one counts as braking."""
     return implies(s.x <= Fraction(-19, 10), ~s.nb)
 
 
@@ -156,14 +169,15 @@ def limits_within_two_and_a_tenth(s: Seen) -> Bit:
 @claim(Thresholds, given=limits_within_two, symbolic=LIMITS, expect=PROVED, lemmas=[all_in_service],
        requirement="TS7-10", source="[D] spread up to the lowering")  # fmt: skip
 def nobody_isolated_within_two(s: Seen) -> Bit:
-    """While the limits lie within 2.0 km/h of each other, no window ever isolates a channel."""
+    """All healthy, limits within 2.0 km/h of each other: no window ever isolates a channel."""
     return ~any_of(s.cut.a, s.cut.b, s.cut.c)
 
 
 @claim(Thresholds, given=limits_within_two_and_a_tenth, symbolic=LIMITS, expect=REFUTED, requirement="TS7-10",
        twin_of=nobody_isolated_within_two)  # fmt: skip
 def nobody_isolated_within_two_and_a_tenth(s: Seen) -> Bit:
-    """The bound is exact: a spread of 2.1 km/h can isolate a channel."""
+    """All healthy, limits within 2.1 km/h of each other: no window ever isolates a channel.  False: a lowered channel
+    may still lie above the speed, and the early one stands alone."""
     return ~any_of(s.cut.a, s.cut.b, s.cut.c)
 
 
@@ -182,7 +196,8 @@ def a_silent_channel_isolates_itself_only(s: Seen) -> Bit:
 @claim(Thresholds, symbolic=LIMITS, expect=REFUTED, defeat=True, requirement="TS7-10", source="[P] accuracy +-2.0 km/h",
        twin_of=nobody_isolated_within_two)  # fmt: skip
 def nobody_isolated_within_the_published_accuracy(s: Seen) -> Bit:
-    """Three channels within the published +-2.0 km/h, all healthy: a window isolates one of them."""
+    """All healthy, each within the published +-2.0 km/h: no window ever isolates a channel.  False: limits may then lie
+    4.0 km/h apart, and lowering makes up for 2.0."""
     return ~any_of(s.cut.a, s.cut.b, s.cut.c)
 
 
@@ -198,14 +213,15 @@ def both_in_service(s: Seen) -> Bit:
        lemmas=[both_in_service], requirement="TS7-16", source="[P] the channel that stands alone is cut off",
        witness=Scenario(steps=1, inputs={"x": 3}, present=[f.name for f in SILENT[:2]]))  # fmt: skip
 def two_silent_channels_isolate_the_healthy_one(s: Seen) -> Bit:
-    """Defeat: with two channels that never brake, overspeed isolates the healthy one, and neither brake comes."""
+    """With two channels that never brake, overspeed isolates the healthy one, and neither brake comes."""
     return implies(s.x > 2, s.cut.c & ~s.cut.a & ~s.cut.b & ~s.nb & ~s.eb)
 
 
 @claim(Thresholds, faults=any_of_faults(SILENT[:2]), symbolic=LIMITS, expect=REFUTED, requirement="TS7-16",
        twin_of=two_silent_channels_isolate_the_healthy_one)  # fmt: skip
 def one_silent_channel_isolates_the_healthy_one(s: Seen) -> Bit:
-    """With one of them silent at most, the same would happen: it does not, the brake comes."""
+    """Whichever of a and b never brake, overspeed isolates the healthy channel c, and neither brake comes.  False: with
+    one of them silent at most the brake comes."""
     return implies(s.x > 2, s.cut.c & ~s.cut.a & ~s.cut.b & ~s.nb & ~s.eb)
 
 
@@ -224,5 +240,5 @@ def synchronisation_isolates_at_most_one(s: Seen) -> Bit:
 @claim(Thresholds, faults=at_most(1, ARBITRARY), symbolic=LIMITS, expect=REFUTED, requirement="TS7-14",
        twin_of=synchronisation_isolates_at_most_one)  # fmt: skip
 def an_arbitrary_channel_isolates_nobody(s: Seen) -> Bit:
-    """With an arbitrary channel nobody is ever isolated."""
+    """Whatever the channels do, nobody is ever isolated.  False: a channel that brakes alone is."""
     return count(s.cut.a, s.cut.b, s.cut.c) == 0

@@ -30,6 +30,7 @@ VERBS = {
     "replay": "show again how a claim fails, what a fault does, how a hazard comes about",
 }
 MODULES = {"list": "listing"}  # a module `list` would hide the built-in one here
+CHOSEN = {"verify": "results", "prove": "claims", "inject": "campaigns", "rate": "rates"}  # chosen with -k alone
 INPUT_ERROR, INTERNAL, INTERRUPTED = 2, 70, 130
 
 
@@ -88,7 +89,7 @@ def _call(verb: str, words: list[str]) -> int:
     before, whole = _end_like_ctrl_c(signal.SIGTERM), "--traceback" in words
     try:
         module: Any = importlib.import_module(f"safety.commands.{MODULES.get(verb, verb)}")
-        args = _parser(verb, module).parse_args(words)
+        args = _parsed(verb, _parser(verb, module), words)
         args.command = shlex.join(["rightside", verb, *words])
         code: int = module.run(args)
         sys.stdout.flush()
@@ -119,6 +120,17 @@ def _parser(verb: str, module: Any) -> argparse.ArgumentParser:
     parser.add_argument("--project", metavar="DIR", help="the project's folder (default: found from here upwards)")
     parser.add_argument("--traceback", action="store_true", help="show the whole way to an error")
     return parser
+
+
+def _parsed(verb: str, parser: argparse.ArgumentParser, words: list[str]) -> argparse.Namespace:
+    """The arguments; a name where none may stand is told how names are given."""
+    args, rest = parser.parse_known_args(words)
+    name = next((word for word in rest if not word.startswith("-")), None)
+    if name is not None and verb in CHOSEN and name == rest[0]:
+        parser.error(f"{name!r} stands alone; choose {CHOSEN[verb]} with -k NAME")
+    if rest:
+        parser.error(f"unrecognized arguments: {shlex.join(rest)}")
+    return args
 
 
 def _end_like_ctrl_c(number: int) -> Any:

@@ -12,6 +12,7 @@ from safety.commands import options
 from safety.commands.output import data
 from safety.commands.session import work
 from safety.commands.table import table
+from safety.report.assumed import assumed_mode, mark, rests_on_assumed
 from safety.report.numbers import number
 from safety.report.schema import Entry
 
@@ -34,9 +35,16 @@ def run(args: Namespace) -> int:
     session = work(args, "campaigns")
     rows = [row for entry in session.results.get("campaigns", ()) for row in _rows(entry)]
     if rows and args.json != "-":
-        data(
-            table(["campaign", "faults", "injections", *(name.replace("_", " ") for name in CLASSES), "coverage"], rows)
-        )
+        head = [
+            "campaign",
+            "faults",
+            "injections",
+            *(name.replace("_", " ") for name in CLASSES),
+            "coverage",
+            "rate /h",
+        ]
+        rated = any(row[-1] for row in rows)
+        data(table(head, rows) if rated else table(head[:-1], [row[:-1] for row in rows]))
     return session.code
 
 
@@ -48,12 +56,31 @@ def _rows(entry: Entry) -> list[list[str]]:
         str(entry["injections"]),
         *_counts(entry["classes"]),
         _share(entry.get("diagnostic_coverage")),
+        _undetected(entry),
     ]
     modes = [
-        [entry["id"], f"{mode['part']} {mode['mode']}".strip(), str(mode.get("faults", "")), *_counts(mode), ""]
+        [
+            entry["id"],
+            f"{mode['part']} {mode['mode']}".strip(),
+            str(mode.get("faults", "")),
+            *_counts(mode),
+            "",
+            _rate(mode),
+        ]
         for mode in entry.get("fmeda", ())
     ]
     return [whole, *(modes if len(modes) > 1 else [])]
+
+
+def _undetected(entry: Entry) -> str:
+    """The rate of all that is dangerous and not detected, where rates are given."""
+    rate = (entry.get("by_rate") or {}).get("lambda_du")
+    return "" if rate is None else f"{number(rate)}{mark(rests_on_assumed('campaigns', entry))} dangerous undetected"
+
+
+def _rate(mode: Entry) -> str:
+    rate = mode.get("rate_per_h")
+    return "" if rate is None else number(rate) + mark(assumed_mode(mode))
 
 
 def _counts(counts: Entry) -> list[str]:

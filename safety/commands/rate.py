@@ -8,6 +8,7 @@ from safety.commands import options
 from safety.commands.output import data
 from safety.commands.session import work
 from safety.commands.table import table
+from safety.report.assumed import mark, rests_on_assumed
 from safety.report.numbers import number
 from safety.report.schema import Entry
 
@@ -35,7 +36,8 @@ def run(args: Namespace) -> int:
 
 def _row(entry: Entry) -> list[str]:
     met = {True: "yes", False: "NO", None: ""}[entry.get("met")]
-    values = [number(entry.get(name), 6) for name in ("value", "low", "high")]
+    sign = mark(rests_on_assumed("rates", entry))
+    values = [number(entry.get(name), 6) + sign for name in ("value", "low", "high")]
     return [
         entry["id"],
         *values,

@@ -9,6 +9,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from safety.commands.selection import Item
+from safety.report.assumed import mark, rests_on_assumed
 from safety.report.numbers import number
 from safety.report.schema import Entry
 from safety.report.standing import Standing, standing
@@ -112,7 +113,7 @@ def _tree(entry: Entry) -> list[str]:
     return [
         "solved", told, entry.get("completeness") or "",
         f"{candidates} candidates" if candidates else "",
-        f"probability {number(probability)}" if probability is not None else "",
+        f"probability {number(probability)}{mark(rests_on_assumed('trees', entry))}" if probability is not None else "",
     ]  # fmt: skip
 
 
@@ -120,7 +121,7 @@ def _rate(entry: Entry) -> list[str]:
     target = f"target {entry['target']}" + (" met" if entry.get("met") else "") if entry.get("target") else ""
     return [
         "found",
-        f"{number(entry.get('value'))} {entry.get('unit') or ''}".rstrip(),
+        f"{number(entry.get('value'))} {entry.get('unit') or ''}".rstrip() + mark(rests_on_assumed("rates", entry)),
         target,
         entry.get("quantity") or "",
     ]

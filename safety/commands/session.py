@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import sys
 import time
@@ -69,8 +70,24 @@ class Session:
         except KeyboardInterrupt:
             self.interrupted = True
             self.results["interrupted"] = True
+        except BaseException:
+            self._rescue(screen)
+            raise
         self.results["runs"] = [{"command": args.command, "seconds": round(time.monotonic() - began, 3)}]
         self.code = self._end(screen)
+
+    def _rescue(self, screen: Screen) -> None:
+        """Keep what is there before an error ends the work; a second error must not hide the first."""
+        self.interrupted = self.results["interrupted"] = True
+        self.results["runs"] = [{"command": self.args.command}]
+        done = sum(len(self.results.get(section, ())) for section in NOUNS)
+        with contextlib.suppress(Exception):
+            self._keep()
+        with contextlib.suppress(Exception):
+            if self.args.json:
+                write_json(self.results, self.args.json)
+        with contextlib.suppress(Exception):
+            screen.say(f"stopped by an error; {done} of {len(self.chosen)} have a result, which is kept", "bold red")
 
     def _gather(self, workers: Workers, screen: Screen) -> None:
         width = max((len(item.id) for item in self.chosen), default=0)
@@ -154,14 +171,16 @@ class Session:
         if problems:
             self.results["limits"] = [f"left out: {each.file}:{each.line}: {each.message}" for each in problems]
         warning = self._keep()
-        for row in terminal.summary(self.results)[:-1]:  # the last one is the exit code, which more bears on here
-            screen.say(row.text, row.style)
-        if warning:
-            screen.say(warning, "yellow")
-        code, why = self._code()
-        screen.say(f"exit {code}: {why}", "bold red" if code else "bold green")
-        if args.json:
-            write_json(self.results, args.json)
+        try:
+            for row in terminal.summary(self.results)[:-1]:  # the last one is the exit code, which more bears on here
+                screen.say(row.text, row.style)
+            if warning:
+                screen.say(warning, "yellow")
+            code, why = self._code()
+            screen.say(f"exit {code}: {why}", "bold red" if code else "bold green")
+        finally:
+            if args.json:
+                write_json(self.results, args.json)
         return code
 
     def _code(self) -> tuple[int, str]:
@@ -207,10 +226,13 @@ def work(args: Namespace, *sections: str, tables: bool = False, whole: bool = Fa
     """
     if args.json:
         probe(Path(args.json))
+    if getattr(args, "vcd", None):
+        probe(Path(args.vcd, "*.vcd"))
     session = start(args, sections)
     session.tables = tables
     if whole:
         session.results["parameters"] = parameters(session.project, session.chosen)
+        session.results["figures"] = []
     if session.chosen or session.project.problems:
         session.work()
     else:

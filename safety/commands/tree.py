@@ -14,6 +14,7 @@ from pathlib import Path
 from safety.commands import CommandError, options
 from safety.commands.output import data, probe, write, write_json
 from safety.commands.table import table
+from safety.report.assumed import assumed_set, mark, rests_on_assumed
 from safety.report.numbers import number
 from safety.report.schema import Entry
 
@@ -23,6 +24,7 @@ rightside tree -k no_brake --svg no_brake.svg     one hazard, with its picture
 rightside tree permit.xml rates.xml --hours 8760  a tree with its data
 rightside tree permit.json --json -               all figures as JSON
 """
+MEASURES = ("fussell_vesely", "birnbaum")
 LISTED = 20  # cut sets and events in the text; --json has more
 
 
@@ -102,7 +104,7 @@ def _text(entry: Entry) -> str:
         lines.append(f"cut sets {entry['completeness']}; {confirmed} confirmed by a run, {candidate} candidates")
     lines.append(_probability(entry))
     rows = [
-        [f"#{n}", " & ".join(one["events"]) or "(no fault needed)", number(one["probability"]), one.get("status", "")]
+        [f"#{n}", " & ".join(one["events"]) or "(no fault needed)", _chance(entry, one), one.get("status", "")]
         for n, one in enumerate(sets["sets"][:LISTED])
     ]
     if rows:
@@ -111,8 +113,9 @@ def _text(entry: Entry) -> str:
             table(["cut set", "events", "probability", "status"], rows),
             *_more(sets["count"] - len(rows), "cut sets"),
         ]
+    on_assumed = mark(rests_on_assumed("trees", entry))
     important = [
-        [row["event"], number(row.get("fussell_vesely")), number(row.get("birnbaum")), row.get("source") or ""]
+        [row["event"], *(number(row.get(name)) + on_assumed for name in MEASURES), _tag(row.get("source"))]
         for row in entry["importance"][:LISTED]
         if row.get("birnbaum") is not None
     ]
@@ -122,14 +125,25 @@ def _text(entry: Entry) -> str:
     return "\n".join(lines)
 
 
+def _chance(entry: Entry, one: Entry) -> str:
+    """Probability of a cut set, marked where it rests on an assumed event."""
+    known = one["probability"] is not None
+    return number(one["probability"]) + mark(known and assumed_set(entry, one["events"]))
+
+
+def _tag(source: str | None) -> str:
+    return f"[{source}]" if source else ""
+
+
 def _probability(entry: Entry) -> str:
     value, low, high = (entry.get(name) for name in ("probability", "probability_low", "probability_high"))
     if low is None and high is None:
         return "probability unknown: not every event has one"
+    sign = mark(rests_on_assumed("trees", entry))
     model = f"  ({entry['chance']}, {entry['hours']} h)" if entry.get("chance") else ""
     if value is None:
-        return f"probability between {number(low)} and {number(high if high is not None else 1.0)}{model}"
-    return f"probability {number(value, 6)}, enclosed by {low!r} and {high!r}{model}"
+        return f"probability between {number(low)} and {number(high if high is not None else 1.0)}{sign}{model}"
+    return f"probability {number(value, 6)}{sign}, enclosed by {low!r} and {high!r}{model}"
 
 
 def _more(left: int, noun: str) -> list[str]:

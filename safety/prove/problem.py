@@ -8,7 +8,7 @@ from typing import Any, cast
 
 from safety.faults import Fault, Faulted, instrument, together, within
 from safety.prove.claims import Claim, Formula, Seen, label, premises_of, watching
-from safety.system import ANY, ModelError, State, System
+from safety.system import ANY, ModelError, State, System, substitute
 from safety.terms import Bit
 from safety.terms.graph import BIT, Term, describe, postorder, variable, variables
 from safety.terms.values import all_of, any_of, bit
@@ -150,3 +150,24 @@ def observed(problem: Problem) -> System:
 
 
 Progress = Callable[[str], None]
+
+
+def named_in(problem: Problem) -> dict[str, Term]:
+    """The signals that the claim's formula mentions, by full name."""
+    names = {problem.system.lookup(p).uid: p for p in problem.system.names()}
+    found: dict[str, Term] = {}
+    edge: list[Term] = [problem.holds]
+    walked = {problem.holds.uid}
+    for term in edge:  # grows while it is walked; a named term hides what it is made of
+        if term.uid in names and term is not problem.holds:
+            found.setdefault(names[term.uid], term)
+        else:
+            edge += [a for a in term.args if a.uid not in walked]
+            walked |= {a.uid for a in term.args}
+    return found
+
+
+def without_model(problem: Problem) -> Bit:
+    """The claim's formula with its signals cut loose from the model: valid if it holds whatever any model does."""
+    loose = {term.uid: variable(f"any {name}", term.sort) for name, term in named_in(problem).items()}
+    return cast(Bit, substitute([problem.holds], loose)[0])

@@ -9,11 +9,13 @@ from typing import Any
 from safety.prove import search
 from safety.prove.claims import BOUNDED, INTEGERS, PROVED, REFUTED, UNDECIDED, VACUOUS, Claim
 from safety.prove.induction import Answer, by_induction
-from safety.prove.problem import Problem, build_problem, premise_name
+from safety.prove.problem import Problem, build_problem, premise_name, without_model
 from safety.prove.refinement import build_refinement
+from safety.prove.solve import UNSAT, Solver
 from safety.system import ModelError
 from safety.terms import Bit
 from safety.terms.graph import describe, postorder
+from safety.terms.smt import Encoder
 from safety.trace import Trace
 
 
@@ -79,7 +81,17 @@ def _decide(problem: Problem, limits: Limits) -> Outcome:
         _search(problem, outcome, limits)
     if outcome.verdict in (PROVED, BOUNDED):
         _premises(problem, outcome, limits)
+    if outcome.verdict == PROVED and _holds_of_any_model(problem, limits):
+        outcome.verdict, outcome.why = VACUOUS, "it holds whatever the model does: it says nothing about this one"
     return outcome
+
+
+def _holds_of_any_model(problem: Problem, limits: Limits) -> bool:
+    encoder = Encoder("z3", _integers(problem))
+    claimed = encoder([without_model(problem)])[0]
+    solver = Solver("z3", encoder.k, limits.timeout)
+    solver.add(*encoder.ranges, encoder.k.Not(claimed))
+    return solver.check() == UNSAT
 
 
 def _refuted(outcome: Outcome, trace: Trace, method: str) -> Outcome:
@@ -146,10 +158,10 @@ def _premises(problem: Problem, outcome: Outcome, limits: Limits) -> None:
     """Show that each premise (with the assumptions) can happen; a claim that never says anything is vacuous."""
     met = _witnessed(problem)
     for i, premise in enumerate(problem.premises):
-        if i in met and outcome.verdict == BOUNDED and met[i] >= (outcome.steps or 0):
-            if _bounded(problem, premise, limits).run is None:
-                _too_short(outcome, met[i])
-                return
+        too_late = i in met and outcome.verdict == BOUNDED and met[i] >= (outcome.steps or 0)
+        if too_late and _bounded(problem, premise, limits).run is None:
+            _too_short(outcome, met[i])
+            return
         if i not in met:
             found = _bounded(problem, premise, limits)
             if found.run is None:

@@ -9,10 +9,9 @@ from typing import Any
 from safety.faults import FROM_START, PREFIX, now_name, present_name
 from safety.prove.claims import REFUTED, Claim
 from safety.prove.hazards import CutSets, Hazard
-from safety.prove.problem import Problem
+from safety.prove.problem import Problem, named_in
 from safety.prove.prove import Outcome
 from safety.system import ANY
-from safety.terms import Term
 from safety.trace import Trace
 
 SHOWN_FAULTS = 8  # names in the text of a fault budget; all stand beside it
@@ -132,22 +131,7 @@ def _onset(trace: Trace, problem: Problem) -> int | None:
 
 def story(trace: Trace, problem: Problem) -> list[str]:
     """Signals worth showing: those the claim names, inputs and outputs of the whole, then those that seldom change."""
-    return [*trace.telling(claim_names(problem)), "claim.premise", "claim.holds"]
-
-
-def claim_names(problem: Problem) -> list[str]:
-    """The signals that the claim's formula mentions."""
-    names = {problem.system.lookup(p).uid: p for p in problem.system.names()}
-    found: list[str] = []
-    edge: list[Term] = [problem.holds]
-    walked = {problem.holds.uid}
-    for term in edge:  # grows while it is walked; a named term hides what it is made of
-        if term.uid in names and term is not problem.holds:
-            found.append(names[term.uid])
-        else:
-            edge += [a for a in term.args if a.uid not in walked]
-            walked |= {a.uid for a in term.args}
-    return list(dict.fromkeys(found))
+    return [*trace.telling(list(named_in(problem))), "claim.premise", "claim.holds"]
 
 
 def _present(trace: Trace, index: int) -> bool:

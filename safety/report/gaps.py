@@ -7,8 +7,10 @@ is empty.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from fractions import Fraction
 from typing import Any, NamedTuple
 
+from safety.report.assumed import assumed_mode, mark, rests_on_assumed
 from safety.report.numbers import faults_text, number, tags_of
 from safety.report.schema import Entry
 from safety.report.standing import WORST_FIRST, judge
@@ -58,7 +60,9 @@ def gaps(results: Results) -> list[Gap]:
             _claims(
                 results,
                 lambda c: (
-                    c["verdict"] == "refuted" and c["expect"] == "refuted" and _role(c) in ("claim", "defeat", "refinement")
+                    c["verdict"] == "refuted"
+                    and c["expect"] == "refuted"
+                    and _role(c) in ("claim", "defeat", "refinement")
                 ),
             ),
             grave=True,
@@ -155,7 +159,11 @@ def _dangerous(results: Results) -> Iterator[Item]:
         total = campaign["classes"]["dangerous_undetected"]
         rows = [row for row in campaign.get("fmeda", ()) if row.get("dangerous_undetected")]
         for row in rows:
-            rate = f" at {number(row['rate_per_h'])} /h" if row.get("rate_per_h") is not None else ""
+            rate = (
+                f" at {number(row['rate_per_h'])} /h{mark(assumed_mode(row))}"
+                if row.get("rate_per_h") is not None
+                else ""
+            )
             count = f"{row['dangerous_undetected']} of {row.get('faults', '?')} faults"
             yield Item(f"{row['part']}: {row['mode']}", f"{count}{rate} ({campaign['id']})", "campaigns", campaign)
         if total and not rows:
@@ -193,11 +201,7 @@ def _lemmas(results: Results) -> Iterator[Item]:
 
 def _tagged(results: Results, tag: str) -> Iterator[Item]:
     """Everything that carries the tag; a premise once, with all the claims that rest on it."""
-    for parameter in parameters(results):
-        if parameter.get("tag") == tag:
-            unit = f" {parameter['unit']}" if parameter.get("unit") else ""
-            note = f": {parameter['note']}" if parameter.get("note") else ""
-            yield Item(parameter["id"], f"{number(parameter.get('value'))}{unit}{note}", "parameters", parameter)
+    yield from _inputs([entry for entry in parameters(results) if entry.get("tag") == tag])
     resting: dict[str, list[Entry]] = {}
     for claim in results.get("claims", ()):
         for text in claim.get("assumptions", ()):
@@ -217,6 +221,33 @@ def _tagged(results: Results, tag: str) -> Iterator[Item]:
     for rate in results.get("rates", ()):
         if tag in tags_of(rate.get("source") or ""):
             yield Item(rate["id"], str(rate["source"]), "rates", rate)
+
+
+def _inputs(entries: list[Entry]) -> Iterator[Item]:
+    """Parameters; those of one name, value and source once, with the models and parts that have them."""
+    alike: dict[tuple[Any, ...], list[Entry]] = {}
+    for entry in entries:
+        name = entry["id"].rpartition(".")[2]
+        note = " ".join((entry.get("note") or "").split())
+        alike.setdefault((name, _value(entry.get("value")), entry.get("unit") or "", note), []).append(entry)
+    for (name, _, unit, note), found in alike.items():
+        value = f"{number(found[0].get('value'))} {unit}".rstrip() + (f": {note}" if note else "")
+        places = sorted({_place(entry) for entry in found} - {""})
+        where = f" (in {', '.join(places)})" if places else ""
+        yield Item(name if len(found) > 1 else found[0]["id"], value + where, "parameters", found[0])
+
+
+def _place(parameter: Entry) -> str:
+    """Model and part of a parameter: `Ts7.a` for `a.window` of Ts7."""
+    return ".".join(filter(None, (parameter.get("model"), parameter["id"].rpartition(".")[0])))
+
+
+def _value(value: Any) -> Any:
+    """A value to compare: 0.5 and "1/2" are the same."""
+    try:
+        return value if isinstance(value, bool) else float(Fraction(value))
+    except (TypeError, ValueError, ZeroDivisionError, OverflowError):
+        return str(value)
 
 
 def _figures(results: Results) -> Iterator[Item]:
@@ -254,7 +285,8 @@ def _numeric(results: Results) -> Iterator[Item]:
         if tree.get("probability") is None and low is None and high is None:
             yield Item(tree["id"], "no probability: not every basic event has one", "trees", tree)
         elif tree.get("probability") is None:
-            yield Item(tree["id"], f"the probability is only enclosed: {number(low)} to {number(high)}", "trees", tree)
+            enclosed = f"{number(low)} to {number(high)}{mark(rests_on_assumed('trees', tree))}"
+            yield Item(tree["id"], f"the probability is only enclosed: {enclosed}", "trees", tree)
     for rate in results.get("rates", ()):
         if rate.get("target") is None:
             yield Item(rate["id"], f"{rate['quantity']}: no target is given", "rates", rate)

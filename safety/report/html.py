@@ -12,6 +12,7 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
 from safety.report import results as documents
+from safety.report.assumed import MARK, assumed_mode, assumed_set, rests_on_assumed
 from safety.report.bars_svg import CLASSES, classes_bar, interval_svg
 from safety.report.gaps import gaps, parameters
 from safety.report.numbers import TAGS, clean, faults_text, number
@@ -94,6 +95,10 @@ def _environment(results: documents.Results) -> Environment:
     environment.globals.update(
         anchor=lambda section, entry: anchors[section, *documents.key(entry)],
         standing=standing,
+        rests_on_assumed=rests_on_assumed,
+        assumed_mode=assumed_mode,
+        assumed_set=assumed_set,
+        mark=_mark,
         words=WORDS,
         all_verdicts=VERDICTS,
         classes=CLASSES,
@@ -131,6 +136,12 @@ def _status(tree: Entry, cut_set: Entry) -> str:
     """Whether a cut set was replayed on the model; said by the set itself, or by the cut sets found on the model."""
     found = {frozenset(found["faults"]): found["status"] for found in tree.get("cut_sets", ())}
     return str(cut_set.get("status") or found.get(frozenset(cut_set["events"])) or "from the tree")
+
+
+def _mark(assumed: bool) -> Markup:
+    """What stands behind a figure that rests on assumed inputs."""
+    sign = Markup(' <span class="tag tag-A" title="rests on assumed inputs">{}</span>')
+    return sign.format(MARK) if assumed else Markup("")
 
 
 def _clock(clock: Mapping[str, str] | None) -> str:

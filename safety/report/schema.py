@@ -163,6 +163,8 @@ class Campaign(TypedDict, total=False):
     as_expected: bool
     classes: Required[Classes]
     diagnostic_coverage: Interval | None
+    dangerous_undetected_of_all: Interval | None
+    confidence: Number  # of the intervals; None where nothing was drawn
     safe_failure_fraction: Number | Interval
     fmeda: list[Mode]
     groups: list[Group]
@@ -222,6 +224,7 @@ class Tree(TypedDict, total=False):
     cut_sets: list[Found]  # as found on a model
     complete_to_order: int | None  # of these
     complete_at_all_orders: bool
+    faults_listed: int  # of the hazard: what "all orders" is about
     structure: dict[str, Any]  # the tree itself, in the fault-tree format of safety.trees.json_form
     as_expected: bool
     seconds: Any
@@ -242,6 +245,7 @@ class Rate(TypedDict, total=False):
     source: str | None
     target: Number | str  # a number, or in words: "at most 1e-9 /h"
     met: bool | None
+    assumed: list[str]  # the inputs tagged A
     agree: bool | None  # False: two independent routes differ
     as_expected: bool
     error: str | None

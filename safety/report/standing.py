@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any, NamedTuple
 
+from safety.report.assumed import mark, rests_on_assumed
 from safety.report.schema import JUDGED, Entry
 
 AS_ASKED, FAILED, UNDECIDED, WEAKER, NOTHING, DISAGREE, INTERNAL = 0, 1, 3, 4, 5, 6, 70
@@ -124,7 +125,8 @@ def _target(entry: Entry) -> Standing:
 
 def _value(entry: Entry) -> str:
     value = entry.get("value", entry.get("probability"))
-    return f"{'unknown' if value is None else value} {entry.get('unit') or ''}".rstrip()
+    assumed = rests_on_assumed("rates", entry) or rests_on_assumed("trees", entry)
+    return f"{'unknown' if value is None else value} {entry.get('unit') or ''}".rstrip() + mark(assumed)
 
 
 def _figure(entry: Entry) -> Standing:

@@ -11,6 +11,7 @@ from collections.abc import Iterable, Mapping
 from html import escape
 from typing import Any
 
+from safety.report.assumed import mark, rests_on_assumed
 from safety.report.tree_layout import Card, place, stack_events
 from safety.report.tree_shapes import STYLE, card_svg, legend_svg, lines_svg
 from safety.trees.tree import BasicEvent
@@ -38,7 +39,7 @@ def tree_svg(tree: Entry) -> str:
     if not structure:
         return ""
     for limit in CARDS:
-        plan = _Plan(structure, tree.get("probability"), limit)
+        plan = _Plan(structure, tree.get("probability"), limit, mark(rests_on_assumed("trees", tree)))
         room = place(plan.top)
         if room.right - room.left > WIDE:
             stack_events(plan.top)
@@ -70,7 +71,7 @@ def tree_svg(tree: Entry) -> str:
 class _Plan:
     """Which cards are drawn: gates are opened breadth first until the cards run out."""
 
-    def __init__(self, structure: Entry, probability: Any, limit: int) -> None:
+    def __init__(self, structure: Entry, probability: Any, limit: int, mark: str) -> None:
         self.gates = {gate["name"]: gate for gate in structure["gates"]}
         self.named = {name for name, gate in self.gates.items() if not gate.get("inside")}
         self.events = {event["name"]: event for event in structure.get("basic_events", ())}
@@ -79,7 +80,7 @@ class _Plan:
         self.drawn: set[str] = set()
         self.top = self._card(structure["top"], 0)
         if isinstance(probability, int | float):
-            self.top.figures = (f"P = {power_of_ten(probability)}",)
+            self.top.figures = (f"P = {power_of_ten(probability)}{mark}",)
         self._open(self.top, limit)
 
     def _open(self, top: Card, limit: int) -> None:

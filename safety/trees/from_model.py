@@ -47,9 +47,11 @@ def tree_entry(found: CutSets, hazard: Hazard, seconds: float | None = None) -> 
     for one in entry["minimal_cut_sets"]["sets"]:
         one["status"] = status[frozenset(one["events"])]
     by_order = found.by_order()
+    faults = len(build_problem(hazard.claim).faults)
     entry |= cut_set_entry(found, hazard) | {
         "model": hazard.claim.model.__name__,
-        "completeness": completeness(found),
+        "completeness": completeness(found, faults),
+        "faults_listed": faults,
         "chance": CHANCE,
         "hours": hazard.hours,
         "as_expected": not hazard.expect or by_order == dict(hazard.expect),
@@ -59,10 +61,10 @@ def tree_entry(found: CutSets, hazard: Hazard, seconds: float | None = None) -> 
     return entry | _bounds(entry, found, hazard)
 
 
-def completeness(found: CutSets) -> str:
-    """How far the list of cut sets reaches."""
+def completeness(found: CutSets, faults: int) -> str:
+    """How far the list of cut sets of a hazard with so many faults reaches."""
     if found.all_orders:
-        return "complete at all orders"
+        return f"complete at all orders over the {faults} listed fault{'s' * (faults != 1)}"
     if found.complete_to < 0:
         return f"not complete: {found.why}"
     rest = f"; {found.why}" if found.why else ", larger sets may exist"

@@ -66,7 +66,7 @@ def test_a_complete_list_gives_the_probability_with_narrow_bounds(declare: Calla
     a, b, c = CHANCES.values()
     assert entry["probability"] == pytest.approx(a + (1 - a) * b * c, rel=1e-14)
     assert entry["probability_high"] - entry["probability_low"] < 1e-14
-    assert entry["completeness"] == "complete at all orders"
+    assert entry["completeness"] == "complete at all orders over the 3 listed faults"
     assert standing("trees", entry).code == 0
 
 
@@ -84,7 +84,7 @@ def test_an_unfinished_list_has_no_upper_bound_and_is_undecided(declare: Callabl
     entry = tree_entry(unfinished, declare())
     assert (entry["probability"], entry["probability_high"]) == (None, None)
     assert standing("trees", entry).code == 3
-    assert completeness(unfinished) == "not complete: the solver gave no answer at order 0"
+    assert completeness(unfinished, 3) == "not complete: the solver gave no answer at order 0"
 
 
 def test_a_fault_without_rate_leaves_the_probability_unknown(declare: Callable[..., Hazard]) -> None:

@@ -17,7 +17,7 @@ def test_the_tree_of_a_hazard(run: Run, whole: Path) -> None:
     called = run("tree", "--json", "out.json", "--svg", "tree.svg")
     assert called.code == 0, called.err
     assert "1 minimal cut sets: 1 of order 1" in called.out
-    assert "complete at all orders; 1 confirmed by a run, 0 candidates" in called.out
+    assert "complete at all orders over the 2 listed faults; 1 confirmed by a run, 0 candidates" in called.out
     assert "Q = 1 - exp(-rate x hours)" in called.out
     (entry,) = document(whole / "out.json")["trees"]
     assert entry["probability_low"] <= -math.expm1(-1e-3) <= entry["probability_high"]
