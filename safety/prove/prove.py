@@ -82,7 +82,8 @@ def _decide(problem: Problem, limits: Limits) -> Outcome:
     if outcome.verdict in (PROVED, BOUNDED):
         _premises(problem, outcome, limits)
     if outcome.verdict == PROVED and _holds_of_any_model(problem, limits):
-        outcome.verdict, outcome.why = VACUOUS, "it holds whatever the model does: it says nothing about this one"
+        note = "it holds whatever the model does: it says nothing about this one"
+        outcome.why = "; ".join(filter(None, [outcome.why, note]))
     return outcome
 
 

@@ -1,4 +1,4 @@
-"""A verdict must say something: a sentence true of any model is vacuous, a search before the premise bounds nothing."""
+"""A verdict must say something: a sentence true of any model is told so, a search before the premise bounds nothing."""
 
 from collections.abc import Iterator
 from typing import NamedTuple
@@ -37,24 +37,24 @@ def only() -> Claim:
     return declared
 
 
-def test_a_sentence_that_is_true_of_any_model_is_vacuous() -> None:
+def test_a_sentence_that_is_true_of_any_model_is_told_so() -> None:
     @claim(Counter, expect=PROVED)
     def full_or_not(s: Seen) -> Bit:
         """The counter is full or it is not."""
         return s.full | ~s.full
 
     outcome = prove(only())
-    assert outcome.verdict == "vacuous"
+    assert outcome.verdict == "proved"
     assert "whatever the model does" in outcome.why
 
 
-def test_a_range_that_the_type_promises_is_vacuous_and_one_that_the_model_keeps_is_proved() -> None:
+def test_a_range_that_the_type_promises_is_told_apart_from_one_that_the_model_keeps() -> None:
     @claim(Counter, expect=PROVED)
     def in_its_byte(s: Seen) -> Bit:
         """The count fits into its byte."""
         return s.n <= 255
 
-    assert prove(only()).verdict == "vacuous"
+    assert "whatever the model does" in prove(only()).why
     claims._registry.clear()
 
     @claim(Counter, expect=PROVED)
@@ -62,7 +62,8 @@ def test_a_range_that_the_type_promises_is_vacuous_and_one_that_the_model_keeps_
         """The count never passes 200."""
         return s.n <= 200
 
-    assert prove(only()).verdict == "proved"
+    outcome = prove(only())
+    assert (outcome.verdict, outcome.why) == ("proved", "")
 
 
 LATE = Scenario(steps=210, inputs={"up": True})
