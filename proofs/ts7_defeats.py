@@ -64,7 +64,7 @@ def defeated(*faults: Fault, source: str) -> Callable[[Formula], Formula]:
 
 @defeated(NAMED["speed generator dead"], source="[P] one axle speed generator")
 def brakes_with_a_dead_generator(s: Seen) -> Bit:
-    """With the speed generator dead, overspeed still brakes.  False: no f_v in any channel, and no pulses means no speed."""
+    """With the speed generator dead, overspeed still brakes.  False: no pulses mean no speed in all channels."""
     return brakes(s)
 
 
@@ -77,8 +77,8 @@ def brakes_with_the_same_wrong_row(s: Seen) -> Bit:
 
 @defeated(NAMED["signal lines wire-ORed with 25"], source="[A] rows ORed onto the columns")
 def brakes_with_wire_ored_rows(s: Seen) -> Bit:
-    """With the line of 25 ORed onto that of 65, overspeed still brakes.  False: the two read as 90 km/h, more permissive
-    than either."""
+    """With the line of 25 ORed onto that of 65, overspeed still brakes.  False: the two read as 90 km/h, more
+    permissive than either."""
     return brakes(s)
 
 
@@ -196,7 +196,7 @@ def the_vote_masks_a_fast_oscillator(s: Seen) -> Bit:
 
 @defeated(A_FAST, NAMED["b: latch at release"], source="[P] two out of three")
 def brakes_with_a_fast_oscillator_and_a_silent_channel(s: Seen) -> Bit:
-    """With one channel's oscillator fast and another channel silent, overspeed still brakes.  False: one vote is left."""
+    """With one oscillator fast and another channel silent, overspeed still brakes.  False: one vote is left."""
     return brakes(s)
 
 
@@ -205,6 +205,6 @@ def brakes_with_a_fast_oscillator_and_a_silent_channel(s: Seen) -> Bit:
 
 @defeated(NAMED["NB output welded"], source="[A] one output contact")
 def brakes_with_a_welded_output_contact(s: Seen) -> Bit:
-    """With the NB output contact welded, overspeed still brakes.  False: three channels brake, the train does not, and EB
-    is not asked."""
+    """With the NB output contact welded, overspeed still brakes.  False: three channels brake, the train does not, and
+    EB is not asked."""
     return brakes(s)

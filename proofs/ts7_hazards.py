@@ -1,7 +1,8 @@
-"""TS-7: minimal cut sets of "too fast and no brake", over 37 component faults that may strike at any time.
+"""TS-7: minimal cut sets of "too fast and no brake", over 39 component faults that may strike at any time.
 
-Main result: five single faults, all common to the channels; 108 pairs, each silencing two channels; 36 triples and 3
-quadruples, in which a ring stands still and its own detector is dead.  Complete at every order, each one replayed.
+Main result: seven single faults, all common to the channels; 108 pairs, each silencing two channels; 36 triples and 3
+quadruples, in which a ring stands still and its own detector is dead.  Complete at every order over the 39 listed
+faults, each one replayed; what is not listed is said in `models.ts7.failures`.
 The failure rates are a parts list made up for this study [A]: they show the method, not the equipment.
 One step is one frame, 125 us.
 """
@@ -20,18 +21,25 @@ from proofs.ts7_parts import INVENTED_COMPONENTS, component_rate
 from safety import ANY_TIME, Bit, Scenario, Seen, hazard, implies, persists, struck
 
 FAULTS = [replace(fault, onset=ANY_TIME) for fault in component_faults()]
+OUTPUT = "NB output welded"
 BLINDING = ("no f_v", "f_p in every frame", "wrong word", "comparator at 0", "latch at release")
 SHARED = (
     "speed generator dead",
     "wrong row in all channels",
     "signal lines wire-ORed with 25",
     "wheel switch on 780 mm",
+    "wheel switch open",
+    "shared oscillator fast",
 )
+SINGLES = (*SHARED, OUTPUT)  # after one of these nothing brakes the train
+SILENCING = (*BLINDING, "NBRR welded")  # after one of these a channel does not ask for the brake
+UNSEEN = ("ring stuck", "fault detector dead")  # nor after both of these
 
 
 def silent_ring(s: Seen, n: str) -> Bit:
     """The ring of channel n stands still, and its detector cannot say so."""
-    return struck(s, f"{n}: ring stuck") & struck(s, f"{n}: fault detector dead")
+    stuck, dead = (struck(s, f"{n}: {fault}") for fault in UNSEEN)
+    return stuck & dead
 
 
 def blind(s: Seen, n: str) -> Bit:
@@ -42,10 +50,10 @@ def blind(s: Seen, n: str) -> Bit:
 
 def mute(s: Seen, n: str) -> Bit:
     """Faults after which relay NBRR of channel n need not fall."""
-    return struck(s, *(f"{n}: {fault}" for fault in (*BLINDING, "NBRR welded")), *SHARED) | silent_ring(s, n)
+    return struck(s, *(f"{n}: {fault}" for fault in SILENCING), *SHARED) | silent_ring(s, n)
 
 
-CHAIN = Chain(words=4, blind=blind, mute=mute, unheard=lambda s: struck(s, *SHARED, "NB output welded"))
+CHAIN = Chain(words=4, blind=blind, mute=mute, unheard=lambda s: struck(s, *SINGLES))
 
 
 def standing_ring_is_found(n: str) -> Formula:
@@ -71,7 +79,7 @@ def scenarios(present: tuple[str, ...]) -> Iterator[Scenario]:
 
 @hazard(
     Ts7, faults=FAULTS, scenarios=scenarios, symbolic=("wheel",), requirement="TS7-7", source="[D]", hours="10000",
-    lemmas=[*CHAIN.lemmas(), *(standing_ring_is_found(n) for n in CHANNELS)], expect={1: 5, 2: 108, 3: 36, 4: 3},
+    lemmas=[*CHAIN.lemmas(), *(standing_ring_is_found(n) for n in CHANNELS)], expect={1: 7, 2: 108, 3: 36, 4: 3},
     rates={f.name: (component_rate(f.name), INVENTED_COMPONENTS) for f in FAULTS},
 )  # fmt: skip
 def overspeed_without_brake(s: Seen) -> Bit:

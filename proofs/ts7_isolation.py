@@ -151,8 +151,8 @@ def declared_at(line: str) -> Formula:
     """The claim for one signal."""
 
     def nobody_isolated_within_one_word(s: Seen) -> Bit:
-        """One signal, wheel as set, limits within 1 word of each other, speed above the lowest, T_sync of 4000 frames or
-        more (at 25 km/h: of 4020, so not the 4000 of the model): no healthy channel is isolated."""
+        """One signal, wheel as set, limits within 1 word of each other, speed above the lowest, T_sync of 4000 frames
+        or more (at 25 km/h: of 4020, so not the 4000 of the model): no healthy channel is isolated."""
         return nobody_isolated(s)
 
     lemmas = [in_service, *(f for n in CHANNELS for f in Following(WORDS[line]).lemmas(n))]
@@ -182,8 +182,8 @@ def nobody_isolated_within_four_words(s: Seen) -> Bit:
            **{f"common.{r}.closed": True for r in (
                "a.chr_relay", "b.chr_relay", "c.chr_relay", "b.nbrr_relay", "c.nbrr_relay")}}))  # fmt: skip
 def nobody_isolated_within_two_words(s: Seen) -> Bit:
-    """Signal 75, wheel as set, limits within 2 words of each other, speed above the lowest: no healthy channel is
-    isolated.  False: just above the lowest the others follow too late, and the early one is."""
+    """Signal 75, wheel as set, limits within 2 words of each other, speed above the lowest, T_sync of 2400 frames or
+    more: no healthy channel is isolated.  False: with 4000, just above the lowest, the others follow too late."""
     return nobody_isolated(s)
 
 
@@ -207,8 +207,8 @@ def nobody_isolated_after_all_released(s: Seen) -> Bit:
        source="[A] 1.6", twin_of=nobody_isolated_after_all_released,
        scenario=demands(6000, a=[(1000, 2000)], b=[(1000, 1500)], c=[(1000, 1500)]))  # fmt: skip
 def nobody_isolated_after_all_released_in_the_reference(s: Seen) -> Bit:
-    """In the reference, too, a channel that finds no fault in itself is isolated only while some channel brakes.  False:
-    one that merely releases 500 frames after the others is isolated 3500 frames later."""
+    """In the reference, too, a channel that finds no fault in itself is isolated only while some channel brakes.
+    False: one that merely releases 500 frames after the others is isolated 3500 frames later."""
     return isolation_needs_a_brake(s)
 
 

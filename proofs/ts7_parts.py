@@ -14,6 +14,7 @@ COMPONENTS = {  # failure mode of a channel or of what the channels share
     "comparator at 0": "2e-7", "latch at release": "1e-7", "NBRR welded": "1e-8", "CHR welded": "1e-8",
     "fault detector dead": "5e-7", "latch at brake": "1e-7", "speed generator dead": "2e-7",
     "wrong row in all channels": "1e-9", "signal lines wire-ORed with 25": "1e-9", "wheel switch on 780 mm": "5e-8",
+    "wheel switch open": "1e-7", "shared oscillator fast": "1e-8",
     "NB output welded": "1e-8", "EB relay welded": "1e-8", "synchronisation isolates anyone": "1e-7",
 }  # fmt: skip
 

@@ -6,8 +6,9 @@ Source: always energised relays, loss of both sources, automatic change-over, du
 
 Main results: without supply NB and EB are there one frame after the release time; any opened coil, wire or contact
 behind the vote brakes, in one channel it costs one vote; a change-over brakes for 1120 frames at most.
-What is said of the change-over assumes that relays of a kind take equal times and that no channel is isolated meanwhile:
-with unequal times power-up isolates a healthy channel (`ts7_isolation.nobody_isolated_at_power_up_with_unequal_relays`).
+What is said of the change-over assumes that relays of a kind take equal times and that no channel is isolated
+meanwhile: with unequal times power-up isolates a healthy channel, see
+`ts7_isolation.nobody_isolated_at_power_up_with_unequal_relays`.
 """
 
 from __future__ import annotations
@@ -116,15 +117,15 @@ INVERTER_FAILS = Scenario(3000, {**RUNS, "inverter": lambda k: k < 1000})
 @claim(Ts7, expect=PROVED, lemmas=[comes_back], requirement="TS7-15", source="[P] automatic change-over; 50 ms [A]",
        witness=INVERTER_FAILS)  # fmt: skip
 def inverter_loss_is_no_permanent_stop(s: Seen) -> Bit:
-    """Inverter lost, motor-generator healthy, no channel asks for a brake or is isolated meanwhile, relays of a kind take
-    equal times: released after 1121 frames (0.14 s)."""
+    """Inverter lost, motor-generator healthy, no channel asks for a brake or is isolated meanwhile, relays of a kind
+    take equal times: released after 1121 frames (0.14 s)."""
     return implies(persists(on_the_generator(s), BACK), ~s.nb & ~s.eb)
 
 
 @claim(Ts7, expect=REFUTED, requirement="TS7-15", scenario=INVERTER_FAILS, twin_of=inverter_loss_is_no_permanent_stop)
 def inverter_loss_is_no_stop_of_1121_frames(s: Seen) -> Bit:
-    """Inverter lost, motor-generator healthy, no channel asks for a brake or is isolated meanwhile, relays of a kind take
-    equal times: released after 1120 frames.  False: NB is still applied then."""
+    """Inverter lost, motor-generator healthy, no channel asks for a brake or is isolated meanwhile, relays of a kind
+    take equal times: released after 1120 frames.  False: NB is still applied then."""
     return implies(on_the_generator(s) & (age(on_the_generator(s), BACK) >= BACK - 2), ~s.nb & ~s.eb)
 
 
@@ -220,7 +221,7 @@ def what_opens_behind_the_vote_brakes_a_frame_earlier(s: Seen) -> Bit:
 
 
 def vote_falls(n: str) -> Formula:
-    """Lemma: after a fault in the relays of channel n, NBRR is open, or its release time runs, for CHR first its own."""
+    """Lemma: after a fault in the relays of channel n, NBRR is open or its release time runs, for CHR after its own."""
     coil, out, chr_coil, chr_out, supply = (fault.name for fault in IN_CHANNEL[n])
 
     def lemma(s: Seen) -> Bit:

@@ -7,7 +7,7 @@ The rate of wrong-side failure takes a channel's failures from the injection cam
 computed there, fault by fault.  Its parts list is INVENTED [A]; `low` and `high` let each of its rates be wrong by a
 factor of 2.  Results: the check window finds 55 % of a channel's dangerous failures by rate; with it alone two silent
 channels come at 3.4e-8 /h, with a yearly test at 2.1e-11, with the comparison at each braking at 2.4e-15.  The single
-failures of what the channels share, 2.6e-7 /h, decide: three channels do not help against them.
+failures of what the channels share, 3.7e-7 /h, decide: three channels do not help against them.
 
 Times in h, rates per h, exponential [A].  Source: 30 000 h [P]; structures E8 to E10, inverted [D].
 """
@@ -21,6 +21,7 @@ from fractions import Fraction
 from itertools import combinations, product
 
 from proofs.ts7_campaign import channel_single_stuck, ring_single_stuck
+from proofs.ts7_hazards import SILENCING, SINGLES, UNSEEN
 from proofs.ts7_parts import BIT_BY_BIT_ONLY, CHANNEL, COMPONENTS, INVENTED_COMPONENTS, component_rate
 from safety.inject.fmeda import Row
 from safety.inject.result import Result
@@ -178,14 +179,10 @@ def both_ways(**more: Fraction) -> dict[str, Callable[[], Estimate]]:
     }
 
 
-SHARED = (  # after a single one of these nothing brakes the train: the cut sets of order 1
-    "speed generator dead", "wrong row in all channels", "signal lines wire-ORed with 25", "wheel switch on 780 mm",
-    "NB output welded",
-)  # fmt: skip
-SHARED_PER_HOUR = sum((Fraction(COMPONENTS[name]) for name in SHARED), Fraction(0))
+SHARED_PER_HOUR = sum((Fraction(COMPONENTS[name]) for name in SINGLES), Fraction(0))
 REPAIR = quantity("24 h", "A", "mean time to exchange a channel")
 ELEMENTS = quantity("1 FIT", "A", "or 2 of each element, within a factor of 2: invented parts list of a channel")
-COMMON = quantity("262 FIT", "A", "single failures of what the channels share: invented parts list")
+COMMON = quantity("372 FIT", "A", "single failures of what the channels share: invented parts list")
 YEARLY = quantity("8760 h", "A", "between proof tests of all channels")
 DEMAND = quantity("1 h", "A", "between brakings, at which the comparison of the channels shows a silent one")
 COMPUTED = "[D] coverage computed by ts7_ring_single_stuck and ts7_channel_single_stuck, parts list [A]"
@@ -233,17 +230,13 @@ rate(
 # --- a second view: the hazard's cut sets ----------------------------------------------------------------------------
 
 HOURS = quantity("10 000 h", "A", "time at risk, without repair or test")
-SILENCING = (  # single failures after which a channel does not ask for the brake
-    "no f_v", "f_p in every frame", "wrong word", "comparator at 0", "latch at release", "NBRR welded",
-)  # fmt: skip
-RING_UNSEEN = ("ring stuck", "fault detector dead")  # together they do so too
 
 
 def cut_sets() -> list[tuple[str, ...]]:
     """What leaves the train too fast and without a brake: a shared failure, or two channels silent."""
-    silent = {n: [(f"{n}: {one}",) for one in SILENCING] + [tuple(f"{n}: {one}" for one in RING_UNSEEN)] for n in "abc"}
+    silent = {n: [(f"{n}: {one}",) for one in SILENCING] + [tuple(f"{n}: {one}" for one in UNSEEN)] for n in "abc"}
     pairs = (one + other for m, n in combinations("abc", 2) for one, other in product(silent[m], silent[n]))
-    return [*((name,) for name in SHARED), *pairs]
+    return [*((name,) for name in SINGLES), *pairs]
 
 
 def tree() -> FaultTree:
@@ -264,10 +257,10 @@ def chance(mode: str) -> tuple[Fraction, Fraction]:
 
 def too_fast_and_no_brake(end: int) -> Fraction:
     """The probability in closed form, from the lower (0) or upper (1) ends of the single ones."""
-    unseen = math.prod(chance(mode)[end] for mode in RING_UNSEEN)
+    unseen = math.prod(chance(mode)[end] for mode in UNSEEN)
     silent = 1 - math.prod(1 - chance(mode)[end] for mode in SILENCING) * (1 - unseen)
     two_silent = 3 * silent**2 - 2 * silent**3
-    return 1 - math.prod(1 - chance(mode)[end] for mode in SHARED) * (1 - two_silent)
+    return 1 - math.prod(1 - chance(mode)[end] for mode in SINGLES) * (1 - two_silent)
 
 
 rate(

@@ -5,7 +5,8 @@ In the claims about the common part alone the channels may do anything whatever:
 Source: the rule [P]; level rule, T_sync, two at once, relay times [A].
 
 Main results: synchronisation isolates one channel at most, and a silent one within two windows and a frame (8001
-frames; with the edge rule never).  A broken channel brings the brake without need only above 8 words below the limit.
+frames; with the edge rule never).  From rest, with the speed kept 8 words below the limit, one broken channel cannot
+bring the brake; 7 words below it can.
 """
 
 from __future__ import annotations
@@ -88,7 +89,7 @@ def synchronisation_isolates_at_most_one(s: Seen) -> Bit:
 
 @claim(CommonPart, expect=REFUTED, requirement="TS7-14", twin_of=synchronisation_isolates_at_most_one)
 def at_most_one_is_ever_isolated(s: Seen) -> Bit:
-    """At most one channel is ever isolated, the channels' own checks included.  False: two may find themselves faulty."""
+    """At most one channel is ever isolated, by its own check or otherwise.  False: two may find themselves faulty."""
     return count(*three(s, "targets.")) <= 1
 
 

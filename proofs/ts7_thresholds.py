@@ -7,7 +7,7 @@ rule (a) [A].
 
 Main results: rule (a) keeps the brake under any one channel, rule (b) does not; a healthy pair brakes without need
 only above -4.0 km/h (-2.0 once the arbitrary channel is isolated), as long as no healthy channel has been isolated;
-after that there is no such bound at 4.0.  Nobody healthy is isolated while the limits lie within
+after that it may brake lower.  Nobody healthy is isolated while the limits lie within
 2.0 km/h of each other, and the published +-2.0 (4.0 apart) is too much.
 """
 

@@ -1,6 +1,8 @@
 """How the components of TS-7 fail: faults of `Ts7`, by component.
 
-Each fault names the points at which it acts in the equipment; rates are given elsewhere.
+Each fault names the points at which it acts in the equipment; rates are given elsewhere.  Not among them: another ratio
+of a divider than by a stuck stage, a single transient flip, lost or weak pulses of the speed generator, the pulse
+generator of bits and words, an inverter out of tolerance; they have no place in `Ts7`.
 Source: components and modes after the fault table of the equipment [A]; a wrong row is that of 90 km/h, the worst.
 """
 
@@ -15,6 +17,7 @@ from safety.terms.graph import Term, uint
 
 CHANNELS = "abc"
 WORD_90, WORD_25, SMALLEST_WHEEL = 191, 53, 156
+ALL_FAST, ONE_FAST = 16, 10  # one generator pulse in so many is missing: shared oscillator 6.7 % fast, own 11 % [A]
 
 
 def reads(value: int) -> Kind:
@@ -68,13 +71,15 @@ def channel_faults(n: str) -> list[Fault]:
 
 
 def shared_faults() -> list[Fault]:
-    """The seven failures common to the channels or behind them."""
+    """The nine failures common to the channels or behind them."""
     words = [f"lines_{n}.word" for n in CHANNELS]
     return [
         Fault(stuck(0), ["axle.pulse"], name="speed generator dead"),
         Fault(reads(WORD_90), words, name="wrong row in all channels"),
         Fault(wired_or(WORD_25), words, name="signal lines wire-ORed with 25"),
         Fault(reads(SMALLEST_WHEEL), ["wheel_switch"], name="wheel switch on 780 mm"),
+        Fault(reads(0), ["wheel_switch"], name="wheel switch open"),
+        Fault(fewer_pulses(ALL_FAST), ["axle.pulse"], name="shared oscillator fast"),
         Fault(welded(), ["common.nb_relay.contact"], name="NB output welded"),
         Fault(welded(), ["common.eb_relay.contact"], name="EB relay welded"),
         Fault(byzantine(), ["common.sync.isolate_*"], name="synchronisation isolates anyone"),
@@ -82,12 +87,12 @@ def shared_faults() -> list[Fault]:
 
 
 def component_faults() -> list[Fault]:
-    """The 37 faults over which the hazard's cut sets are sought: ten a channel, seven shared."""
+    """The 39 faults over which the hazard's cut sets are sought: ten a channel, nine shared."""
     return [fault for n in CHANNELS for fault in channel_faults(n)] + shared_faults()
 
 
 def component_modes() -> dict[str, list[Fault]]:
-    """Every failure mode that has a place in `Ts7`, by component; for injection."""
+    """The failure modes for injection, by component; what is not among them is said at the top of this file."""
     return {component: list(faults) for component, faults in _modes()}
 
 
@@ -96,7 +101,14 @@ def _modes() -> Iterator[tuple[str, list[Fault]]]:
     for n in CHANNELS:
         lines = [f"lines_{n}.line.s{v}" for v in (0, 25, 45, 65, 75, 90)]
         cells = [stuck(value, bit=k) for value in (0, 1) for k in range(8)]
-        yield f"oscillator {n}", [Fault(frozen(), [f"{n}.output.level", f"{n}.rev"], name=f"oscillator {n} stops")]
+        yield (
+            f"oscillator {n}",
+            [
+                Fault(frozen(), [f"{n}.output.level", f"{n}.rev"], name=f"oscillator {n} stops"),
+                Fault(fewer_pulses(ONE_FAST), [f"{n}.f_s"], name=f"oscillator {n} fast"),
+            ],
+        )
+        yield f"row select {n}", _rows([f"lines_{n}.word"], n)
         yield f"ring {n}", [Fault(stuck(0), [f"{n}.ring.overflow.o*"]), Fault(stuck(1), [f"{n}.ring.overflow.o*"])]
         yield f"word select {n}", [Fault(stuck(0), [f"{n}.ring.select.j{w}"]) for w in range(4)]
         yield f"data matrix {n}", [Fault(kind, [f"{n}.ring.matrix.j{w}"]) for w in range(4) for kind in cells]
@@ -119,11 +131,21 @@ def _modes() -> Iterator[tuple[str, list[Fault]]]:
         yield f"supply {n}", [Fault(stuck(0), [f"common.{n}.supply"])]
     yield "output relays", [_relay(mode, f"common.{relay}_relay") for relay in ("nb", "eb") for mode in RELAY_MODES]
     yield "speed generator", [Fault(kind, ["axle.pulse"]) for kind in both] + [Fault(flip(), ["axle.backward"])]
+    yield "shared oscillator", [Fault(fewer_pulses(ALL_FAST), ["axle.pulse"], name="oscillator of all fast")]
+    yield "shared rows", _rows([f"lines_{n}.word" for n in CHANNELS], "of all")
     yield "wheel switch", [Fault(reads(w), ["wheel_switch"]) for w in (0, *range(156, 173, 2))]
     yield "power", [Fault(stuck(0), [f"power.{p}"]) for p in ("inverter", "mg", "change_over", "supply")]
 
 
 RELAY_MODES = ("coil open", "contact open", "contact welded")
+
+
+def _rows(words: list[str], whose: str) -> list[Fault]:
+    """The row of 90 km/h in place of the selected one, and that of 25 besides it."""
+    return [
+        Fault(reads(WORD_90), words, name=f"row {whose} wrong"),
+        Fault(wired_or(WORD_25), words, name=f"row {whose} and that of 25"),
+    ]
 
 
 def _relay(mode: str, relay: str) -> Fault:

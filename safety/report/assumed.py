@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
+from typing import Any
 
 from safety.report.numbers import tags_of
-from safety.report.schema import Entry
 
 MARK = "[A]"
+Entry = Mapping[str, Any]
 
 
 def rests_on_assumed(section: str, entry: Entry) -> bool:

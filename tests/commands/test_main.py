@@ -30,6 +30,8 @@ def test_every_verb_has_help_with_examples(verb: str, capsys: pytest.CaptureFixt
         (["frobnicate"], "verbs: verify"),
         (["--project", "x", "prove"], "before the verb"),
         (["prove", "--no-such"], "--no-such"),
+        (["prove", "a.claim"], "choose claims with -k NAME"),
+        (["rate", "-j", "1", "mtbf"], "choose rates with -k NAME"),
         (["prove", "-j", "0"], "1 or more"),
         (["prove", "--timeout", "soon"], "seconds"),
         (["prove", "--set", "k"], "NAME=VALUE"),

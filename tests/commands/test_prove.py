@@ -201,6 +201,47 @@ def test_a_place_that_cannot_be_written_is_refused_before_the_work(run: Run, pro
     assert "PROVED" not in called.err
 
 
+@pytest.mark.parametrize("place", ["/proc/nope", "file"])
+def test_a_folder_for_waveforms_that_cannot_be_written_is_refused_before_the_work(
+    run: Run, project: Path, place: str
+) -> None:
+    (project / "file").write_text("")
+    called = run("prove", "-k", "five", "--vcd", place, "--json", "out.json")
+    assert called.code == 2
+    assert f"{place}/*.vcd cannot be written" in called.err
+    assert "BOUNDED" not in called.err
+
+
+def test_an_error_in_the_middle_of_the_work_keeps_the_results_so_far(
+    run: Run, project: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def full(path: Path, text: str) -> None:
+        raise OSError(28, "No space left on device", str(path))
+
+    monkeypatch.setattr("safety.commands.session.write", full)
+    called = run("prove", "-q", "-j", "1", "--vcd", "waves", "--json", "out.json")
+    assert called.code == 2
+    assert called.err.splitlines()[-1].endswith("No space left on device")
+    assert "2 of 4 have a result, which is kept" in called.err
+    for place in ("out.json", ".rightside/last.json"):
+        results = document(project / place)
+        assert [entry["id"] for entry in results["claims"]] == [
+            "counter.alarm_at_twelve",
+            "counter.alarm_at_twelve_with_a_fault",
+        ]
+        assert results["interrupted"]
+
+
+def test_an_error_while_the_end_is_shown_keeps_the_results(
+    run: Run, project: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("safety.report.terminal.summary", lambda results: 1 / 0)
+    called = run("prove", "-q", "-k", "five", "--json", "out.json")
+    assert called.code == 70
+    for place in ("out.json", ".rightside/last.json"):
+        assert len(document(project / place)["claims"]) == 1
+
+
 def test_a_full_disk_ends_with_2_and_leaves_no_part(run: Run, project: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (project / "out.json").write_text("old")
 

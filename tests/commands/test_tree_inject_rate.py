@@ -1,9 +1,12 @@
 import json
 import math
+import re
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
+from safety.commands import main
 from tests.commands.conftest import Run, document, put
 
 TREE = {
@@ -19,6 +22,10 @@ def test_the_tree_of_a_hazard(run: Run, whole: Path) -> None:
     assert "1 minimal cut sets: 1 of order 1" in called.out
     assert "complete at all orders over the 2 listed faults; 1 confirmed by a run, 0 candidates" in called.out
     assert "Q = 1 - exp(-rate x hours)" in called.out
+    assert re.search(r"\nprobability 9\S+ × 10⁻⁴ \[A\], enclosed", called.out)
+    assert re.search(r"#0 +alarm.out stuck-at-0 +9\S+ × 10⁻⁴ \[A\]", called.out)
+    assert re.search(r"\nalarm.out stuck-at-0 +1 \[A\] +1 \[A\] +\[A\]", called.out)
+    assert re.search(r"SOLVED.*probability 9\S+ × 10⁻⁴ \[A\]", called.err)
     (entry,) = document(whole / "out.json")["trees"]
     assert entry["probability_low"] <= -math.expm1(-1e-3) <= entry["probability_high"]
     assert entry["minimal_cut_sets"]["sets"][0]["status"] == "confirmed"
@@ -81,12 +88,31 @@ def test_a_campaign(run: Run, whole: Path) -> None:
     assert "counter_stuck" in called.out
 
 
+def test_assumed_rates_of_failure_modes_are_marked(
+    whole: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    modes = [
+        {"part": "a", "mode": "stuck", "faults": 2, "rate_per_h": 1e-7, "tag": "A", "dangerous_undetected": 1},
+        {"part": "b", "mode": "open", "faults": 2, "rate_per_h": 2e-7, "tag": "P", "safe": 1},
+    ]
+    entry = {"id": "k", "injections": 4, "classes": {}, "fmeda": modes, "by_rate": {"lambda_du": 5e-8}}
+    session = SimpleNamespace(results={"campaigns": [entry]}, code=0)
+    monkeypatch.setattr("safety.commands.inject.work", lambda *_: session)
+    assert main(["inject", "--project", str(whole)]) == 0
+    head, every, one, other = capsys.readouterr().out.splitlines()
+    assert head.endswith("rate /h")
+    assert every.endswith("5 × 10⁻⁸ [A] dangerous undetected")
+    assert one.endswith("1 × 10⁻⁷ [A]")
+    assert other.endswith("2 × 10⁻⁷")
+
+
 def test_a_rate(run: Run, whole: Path) -> None:
     called = run("rate", "--json", "out.json")
     assert called.code == 0, called.err
     (entry,) = document(whole / "out.json")["rates"]
     assert (entry["value"], entry["exact"], entry["unit"]) == (1e6, "1000000/1", "h")
-    assert "counter.life" in called.out
+    assert re.search(r"counter.life +1 × 10⁶ \[A\] ", called.out)
+    assert re.search(r"FOUND.* \[A\]", called.err)
 
 
 def test_an_entry_out_of_shape_does_not_cost_the_others(run: Run, whole: Path) -> None:

@@ -7,6 +7,7 @@ def test_verify_does_everything_and_ends_with_the_path_of_the_report(run: Run, w
     called = run("verify", "--json", "out.json")
     assert called.code == 0, called.err
     assert called.out.splitlines()[-1] == str(whole / "reports/index.html")
+    assert document(whole / "out.json")["figures"] == []
     results = document(whole / "reports/results.json")
     assert [len(results[section]) for section in ("claims", "campaigns", "trees", "rates", "parameters")] == [
         4,

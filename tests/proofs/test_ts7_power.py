@@ -42,6 +42,15 @@ def test_a_frame_more_is_found(formula: object, setting: dict[str, int]) -> None
     assert prove(slower).verdict == REFUTED
 
 
+@pytest.mark.parametrize("name", "bc")
+def test_a_slower_relay_in_another_channel_is_found(name: str) -> None:
+    claim = of(ts7_power.what_opens_in_a_channel_votes_to_brake)
+    assert claim.witness is not None
+    run = replace(claim.witness, present=[f"{name}.chr_relay.coil open"])
+    slower = {f"common.{name}.chr_relay.release": 161}
+    assert prove(replace(claim, settings=slower, scenario=run)).verdict == REFUTED
+
+
 def test_a_missing_rung_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(ts7_contacts, "NB_RULE_A", ts7_contacts.NB_RULE_A[2:])
     assert prove(of(ts7_contacts.nb_circuit_is_two_of_three)).verdict == REFUTED

@@ -132,3 +132,20 @@ def test_a_scenario_outside_the_start_is_refused() -> None:
     outside = replace(claim.scenario, start={**claim.scenario.start, "b.ring.j1": 250})
     with pytest.raises(ModelError, match="breaks an assumption of the claim at step 0"):
         scripted(build_problem(claim), outside)
+
+
+def test_unequal_relays_isolate_the_channel_that_is_up_first() -> None:
+    claim = of(ts7_isolation.nobody_isolated_at_power_up_with_unequal_relays)
+    run = prove(claim).counterexample
+    assert run is not None and [n for n in "abc" if run[f"targets.{n}"][-1]] == ["a"]
+    assert not any(run[f"{n}.fault"][-1] for n in "abc")
+    assert claim.scenario is not None
+    assert True not in scripted(build_problem(replace(claim, settings={})), claim.scenario)["targets.a"]
+
+
+@pytest.mark.parametrize("name", "abc")
+def test_the_lone_brake_of_each_channel_is_isolated(name: str) -> None:
+    lone = {n: [(1000, 30_000)] if n == name else [] for n in "abc"}
+    claim = of(ts7_synchronisation.a_lone_brake_is_isolated)
+    run = scripted(build_problem(claim), ts7_synchronisation.demands(6000, **lone))
+    assert [n for n in "abc" if run[f"targets.{n}"][-1]] == [name]

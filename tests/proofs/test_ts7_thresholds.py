@@ -61,6 +61,13 @@ def test_the_counterexample_to_rule_b_isolates_a_healthy_channel() -> None:
     assert not run["nb"][-1] and run["x"][-1] > 2
 
 
+def test_below_minus_four_a_healthy_channel_was_isolated_before() -> None:
+    run = prove(of(proofs.no_brake_up_to_minus_four_whoever_is_isolated)).counterexample
+    assert run is not None and len(run) == 2
+    assert [n for i, n in enumerate("abc") if run[f"cut_{n}"][-1] and not run[f"fault{i}"][0]]
+    assert run["nb"][-1] and run["x"][-1] <= -4
+
+
 def test_limits_are_exact_numbers() -> None:
     found = prove(of(proofs.nobody_isolated_within_two))
     assert found.verdict == PROVED and found.problem is not None

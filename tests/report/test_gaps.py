@@ -99,3 +99,31 @@ def test_an_open_verdict_says_why() -> None:
     claim = {"id": "c", "model": "m", "expect": "proved", "verdict": "undecided", "why": "time is up"}
     (item,) = next(gap.items for gap in gaps({"claims": [claim]}) if gap.title == "Undecided")
     assert "time is up" in item.text
+
+
+def test_an_assumed_input_of_many_parts_is_one_row() -> None:
+    same = {"value": 0.5, "unit": "s", "tag": "A", "note": "[A] not printed"}
+    used = {"name": "window", "value": "1/2", "unit": "s", "source": "[A] not printed"}
+    claim = {"id": "c", "model": "Bench", "expect": "proved", "verdict": "proved", "parameters": [used]}
+    results = {
+        "claims": [claim],
+        "parameters": [
+            same | {"id": "a.window", "model": "Ts7"},
+            same | {"id": "b.window", "model": "Ts7"},
+            same | {"id": "c.window", "model": "Ts7", "value": 0.6},
+        ],
+    }
+    items = next(gap.items for gap in gaps(results) if gap.title == "Assumed inputs [A]")
+    assert sorted((item.label, item.text) for item in items) == [
+        ("c.window", "0.6 s: [A] not printed (in Ts7.c)"),
+        ("window", "1/2 s: [A] not printed (in Bench, Ts7.a, Ts7.b)"),
+    ]
+
+
+def test_an_assumed_rate_of_a_dangerous_fault_is_marked() -> None:
+    row = {"part": "p", "mode": "m", "faults": 2, "dangerous_undetected": 1, "rate_per_h": 1e-7}
+    classes = {"safe": 1, "detected": 0, "dangerous_undetected": 1, "no_effect": 0}
+    for more, marked in (({"tag": "A"}, True), ({"tag": "P"}, False), ({"source": "[A] parts list"}, True)):
+        campaign = {"id": "k", "injections": 2, "exhaustive": True, "classes": classes, "fmeda": [row | more]}
+        (item,) = next(g.items for g in gaps({"campaigns": [campaign]}) if g.title.startswith("Faults that are"))
+        assert ("/h [A]" in item.text) == marked

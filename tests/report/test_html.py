@@ -185,3 +185,88 @@ def test_slugs_are_unique_even_without_case_and_safe_as_file_names() -> None:
 def test_a_structure_that_is_none_is_refused(structure: Any) -> None:
     with pytest.raises(ResultsError, match=r"trees \(t\): structure: cannot be drawn"):
         html({"schema": "rightside/1", "trees": [{"id": "t", "structure": structure}]})
+
+
+TAGGED = '<span class="tag tag-A" title="rests on assumed inputs">[A]</span>'
+
+
+def part(text: str, name: str) -> str:
+    """The section of the page with this heading."""
+    return text.partition(f'<section aria-labelledby="{name}">')[2].partition("</section>")[0]
+
+
+def tree_of(source: str) -> Results:
+    events = [
+        {"name": "x", "rate_per_hour": "1/1000", "mission_time_h": "1", "source": source},
+        {"name": "y", "probability": "1/10", "source": "P"},
+    ]
+    structure = {
+        "format": "rightside/fault-tree/1", "name": "t", "top": "t", "basic_events": events,
+        "gates": [{"name": "t", "kind": "or", "inputs": ["x", "y"]}],
+    }  # fmt: skip
+    sets = [{"events": ["x"], "probability": 0.001}, {"events": ["y"], "probability": 0.1}]
+    return {
+        "id": "t", "probability": 0.1009, "probability_low": 0.1009, "probability_high": 0.1009,
+        "minimal_cut_sets": {"count": 2, "by_order": {"1": 2}, "sets": sets}, "structure": structure,
+        "importance": [{"event": "x", "probability": 0.001, "source": source}], "complete_to_order": 2,
+        "complete_at_all_orders": True, "faults_listed": 29,
+    }  # fmt: skip
+
+
+def test_figures_of_a_tree_on_assumed_events_are_marked_and_others_are_not() -> None:
+    text = html({"schema": "rightside/1", "trees": [tree_of("A")]})
+    assert f"0.101 {TAGGED}" in part(text, "overview")
+    trees = part(text, "trees")
+    assert f"0.001 {TAGGED}</td><td>from the tree" in trees
+    assert "0.1</td><td>from the tree" in trees
+    assert re.search(rf"<dt>probability</dt>.*{re.escape(TAGGED)}</dd>", trees)
+    assert f"on assumed inputs {TAGGED}" in trees
+    assert "P = 0.101 [A]" in trees
+    assert "[A]" not in html({"schema": "rightside/1", "trees": [tree_of("P")]}).replace("Assumed inputs [A]", "")
+
+
+def test_complete_at_all_orders_says_over_which_faults() -> None:
+    text = part(html({"schema": "rightside/1", "trees": [tree_of("P")]}), "trees")
+    assert "complete at all orders over the 29 listed faults" in text
+
+
+@pytest.mark.parametrize(
+    ("more", "marked"), [({"assumed": ["r = 1e-6/h"]}, True), ({"source": "parts list [A]"}, True), ({}, False)]
+)
+def test_a_rate_on_assumed_inputs_is_marked(more: Results, marked: bool) -> None:
+    rate = {"id": "r", "quantity": "q", "value": 5.0, "low": 5.0, "high": 5.0, "target": "at most 6", "met": True}
+    text = html({"schema": "rightside/1", "rates": [rate | more]})
+    assert (f"5 {TAGGED}" in part(text, "rates")) == marked
+    assert (f"1 of 1 {TAGGED}" in part(text, "overview")) == marked
+    assert ("assumes r = 1e-6/h" in text) == ("assumed" in more)
+
+
+def campaign_of(exhaustive: bool) -> Results:
+    mode = {"part": "p", "mode": "m", "faults": 3, "rate_per_h": 1e-7, "tag": "A", "dangerous_undetected": 1}
+    return {
+        "id": "k", "injections": 3, "exhaustive": exhaustive, "expect": {"exhaustive": exhaustive}, "fmeda": [mode],
+        "classes": {"safe": 1, "detected": 1, "dangerous_undetected": 1, "no_effect": 0}, "confidence": 0.95,
+        "dangerous_undetected_of_all": {"value": 0.125, "low": 0.0625, "high": 0.25},
+        "by_rate": {"diagnostic_coverage": {"value": 0.5}, "lambda_du": 1e-8},
+    }  # fmt: skip
+
+
+def test_a_sample_shows_the_share_of_dangerous_undetected_with_its_interval() -> None:
+    drawn, whole = (html({"schema": "rightside/1", "campaigns": [campaign_of(all_)]}) for all_ in (False, True))
+    assert "dangerous, undetected, of all</dt><dd>0.125, 0.0625 to 0.25 (confidence 0.95)" in drawn
+    assert "dangerous, undetected, of all" not in whole
+
+
+def test_assumed_failure_rates_are_marked() -> None:
+    text = html({"schema": "rightside/1", "campaigns": [campaign_of(True)]})
+    assert f"1 × 10⁻⁷ {TAGGED}" in part(text, "campaigns")
+    assert f"/h {TAGGED}" in part(text, "campaigns")
+    assert "1 × 10⁻⁷ /h [A]" in part(text, "gaps")
+
+
+def test_twin_and_defeat_are_explained() -> None:
+    claim = {"id": "c", "model": "m", "expect": "proved", "verdict": "proved", "role": "claim"}
+    twins = html({"schema": "rightside/1", "claims": [claim]})
+    assert "is a neighbouring sentence that must fail: it shows that the claim can fail at all." in twins
+    assert "the equipment falls short" not in twins
+    assert "the equipment falls short" in html({"schema": "rightside/1", "claims": [claim | {"role": "defeat"}]})

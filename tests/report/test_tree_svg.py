@@ -67,7 +67,18 @@ def test_all_names_figures_and_tags_of_a_small_tree_are_drawn():
     svg = picture(SMALL)
     shown = texts(svg)
     joined = "".join(shown)
-    for word in ("permit", "pair", "2/3", "Q = 1.2×10⁻⁷", "λ = 1×10⁻⁶/h", "T = 1,000 h", "P = 0.5", "P", "A", "holds"):
+    for word in (
+        "permit",
+        "pair",
+        "2/3",
+        "Q = 1.2×10⁻⁷",
+        "λ = 1×10⁻⁶/h",
+        "T = 1,000 h",
+        "P = 0.5 [A]",
+        "P",
+        "A",
+        "holds",
+    ):
         assert word in shown
     assert LONG in joined.replace(" ", "")
     assert "printed figure" in shown and "assumed figure" in shown and "derived figure" not in shown

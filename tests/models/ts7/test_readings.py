@@ -97,7 +97,7 @@ def test_every_named_failure_has_a_place_in_the_equipment() -> None:
     from models.ts7.failures import component_faults, component_modes
 
     made, faults, modes = trace(system.Ts7), component_faults(), component_modes()
-    assert len(faults) == len({f.name for f in faults}) == 37
+    assert len(faults) == len({f.name for f in faults}) == 39
     everything = [f for some_modes in modes.values() for f in some_modes]
     assert (len(modes), len(everything), len({f.name for f in everything})) == (49, 380, 380)
     for fault in faults + everything:
