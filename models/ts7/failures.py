@@ -2,7 +2,7 @@
 
 Each fault names the points at which it acts in the equipment; rates are given elsewhere.  Not among them: another ratio
 of a divider than by a stuck stage, a single transient flip, lost or weak pulses of the speed generator, the pulse
-generator of bits and words, an inverter out of tolerance; they have no place in `Ts7`.
+generator of bits and words, an inverter out of tolerance, an oscillator too slow.
 Source: components and modes after the fault table of the equipment [A]; a wrong row is that of 90 km/h, the worst.
 """
 

@@ -99,6 +99,6 @@ def test_every_named_failure_has_a_place_in_the_equipment() -> None:
     made, faults, modes = trace(system.Ts7), component_faults(), component_modes()
     assert len(faults) == len({f.name for f in faults}) == 39
     everything = [f for some_modes in modes.values() for f in some_modes]
-    assert (len(modes), len(everything), len({f.name for f in everything})) == (49, 380, 380)
+    assert (len(modes), len(everything), len({f.name for f in everything})) == (54, 392, 392)
     for fault in faults + everything:
         assert instrument(made, [fault]).system.states
