@@ -168,7 +168,7 @@ def brakes_two_kmh_above_in_a_quarter_second(s: Seen) -> Bit:
 def brakes_within_the_printed_response(s: Seen) -> Bit:
     """2.0 km/h above any of the five signals for 0.3 s, the channel brakes.  Not decided.
 
-    Induction is too coarse for it; runs at constant speed from sampled phases stay below it (tests), which proves nothing.
+    Induction is too coarse for it.  Runs at constant speed from sampled phases stay below it (tests): no proof.
     """
     return implies(persists(two_above(s), RESPONSE), s.brake)
 
@@ -198,7 +198,7 @@ def releases_two_kmh_below_in_less_than_a_quarter_second(s: Seen) -> Bit:
 def releases_within_the_printed_response(s: Seen) -> Bit:
     """2.0 km/h below any of the five signals for 0.3 s, not lowered, it does not brake.  Not decided.
 
-    Induction is too coarse for it; runs at constant speed from sampled phases stay below it (tests), which proves nothing.
+    Induction is too coarse for it.  Runs at constant speed from sampled phases stay below it (tests): no proof.
     """
     return implies(persists(two_below(s), RESPONSE), ~s.brake)
 

@@ -3,8 +3,8 @@
 One step is one frame, 125 us; speeds are absolute values, `backward` the sense.  All phases, all nine wheel settings,
 any speed in every frame.  The text says 5 km/h, the table 6.0 +- 2.0; the window 4.0 to 8.0 km/h is what is proved.
 
-Main results: backward at 8 km/h for 0.4 s reports (by induction; within 0.3 s it is *undecided*), forward never does, and
-below 4 km/h nothing is ever reported, whichever word from 9 to 16 is chosen.
+Main results: backward at 8 km/h for 0.4 s reports (by induction; 0.3 s is *undecided*), forward never does, and below
+4 km/h nothing is ever reported, whichever word from 9 to 16 is chosen.
 Source: 5 km/h, 6.0 +- 2.0 km/h, 0.3 s [P]; word 11 and the comparator [A].
 """
 
@@ -75,7 +75,7 @@ def reports_five_backward(s: Seen) -> Bit:
 def reports_eight_backward_within_the_printed_response(s: Seen) -> Bit:
     """8 km/h or faster for 0.3 s, and now backward: roll-back is reported.  Not decided.
 
-    Induction is too coarse for it; runs at constant speed from sampled phases stay below it (tests), which proves nothing.
+    Induction is too coarse for it.  Runs at constant speed from sampled phases stay below it (tests): no proof.
     """
     return implies(persists(fast(s), RESPONSE) & s.backward, s.rev)
 
