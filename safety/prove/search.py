@@ -21,6 +21,15 @@ from safety.terms.graph import REAL, Sort
 from safety.terms.values import bit
 from safety.trace import Trace, least, run
 
+# Whole numbers up to 16, then halves, quarters and eighths, small ones first.
+PLAIN = [Fraction(0)] + [
+    Fraction(sign * n, parts)
+    for parts in (1, 2, 4, 8)
+    for n in range(1, 16 * parts + 1)
+    for sign in (1, -1)
+    if parts == 1 or n % 2
+]
+
 
 @dataclass
 class Found:
@@ -38,7 +47,8 @@ class Found:
 def bounded(problem: Problem, target: Bit, steps: int, integers: bool, timeout: float) -> Found:
     """Look for the shortest run whose last step satisfies `target`, up to `steps` steps; then the smallest of those.
 
-    `searched` counts the steps shown free of the target.  The run does not depend on the solver (reals apart).
+    `searched` counts the steps shown free of the target.  The run does not depend on the solver (reals that are no
+    plain numbers apart).
     """
     unrolling = Unrolling(problem.system, "z3", integers)
     asked = Solver("z3", unrolling.k, timeout, finite=not integers)
@@ -94,11 +104,13 @@ def _least(unrolling: Unrolling, asked: Solver, model: Any, expression: Any, sor
 
 
 def _simple_real(unrolling: Unrolling, asked: Solver, model: Any, expression: Any, sort: Sort) -> tuple[Any, Any]:
-    """0 if it will do, else the solver's value or a fraction near it; `TermError` when no fraction will do."""
+    """The first of the plain numbers that will do, so that runs do not depend on the solver; else its own value, or a
+    fraction near it.  `TermError` when no fraction will do.
+    """
     k = unrolling.k
     exact = model.eval(expression, model_completion=True)
     near = [Fraction(exact.approx(n).as_fraction()) for n in (3, 9, 27)] if k.is_algebraic_value(exact) else []
-    for value in (Fraction(0), *near):
+    for value in (*PLAIN, *near):
         found = _model_with(asked, expression == k.RealVal(str(value)))
         if found is not None:
             asked.add(expression == k.RealVal(str(value)))
