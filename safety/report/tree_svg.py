@@ -16,7 +16,7 @@ from safety.report.tree_layout import Card, place, stack_events
 from safety.report.tree_shapes import STYLE, card_svg, legend_svg, lines_svg
 from safety.trees.tree import BasicEvent
 
-INPUTS = 8  # drawn of one gate
+INPUTS = 10  # drawn of one gate
 CARDS = (60, 45, 34, 25)  # drawn of one tree, after which no gate is opened any more: the most that keep within WIDEST
 MARGIN = 14  # px around everything
 NARROW, WIDE, WIDEST = 560, 1100, 1900  # px: least width, that from which events are stacked, and that aimed at
