@@ -33,9 +33,9 @@ from safety.kinds import (
     welded,
 )
 from safety.system import ANY, ModelError, State, System, nearest, repeat, substeps, substitute
-from safety.terms import Bit, UInt, count, select
+from safety.terms import Bit, UInt, count, select, word
 from safety.terms.graph import BIT, Sort, Term, node, rewrite, uint, variable
-from safety.terms.values import any_of, bit, build, const
+from safety.terms.values import any_of, bit, build
 
 __all__ = [
     "ANY_TIME", "FROM_START", "INTERMITTENT", "ONSETS", "PREFIX", "TRANSIENT",
@@ -265,16 +265,11 @@ def _activity(fault: Fault, index: int, there: Bit) -> tuple[Bit, Bit, list[Stat
         width = fault.ticks.bit_length()
         used = cast(UInt, variable(f"{name}.used", uint(width)))
         active = there & chosen & (used < fault.ticks)
-        spent = select(used > 0, const_word(fault.ticks, width), used)
+        spent = select(used > 0, word(fault.ticks, width), used)
         return active, there & (used > 0), [State(used, select(active, (used + 1).low(width), spent), 0)], free
     on = cast(Bit, variable(f"{name}.on", BIT))
     ever = there & (on | chosen)
     return there & chosen if fault.onset == INTERMITTENT else ever, there & on, [State(on, ever, False)], free
-
-
-def const_word(value: int, width: int) -> UInt:
-    """A constant word."""
-    return cast(UInt, const(value, uint(width)))
 
 
 def within(budget: Budget, faulted: Faulted) -> Bit:

@@ -18,9 +18,9 @@ from typing import Any, TypeVar, cast
 from safety.faults import Budget, Faulted
 from safety.model import Model
 from safety.system import OUTPUT, ModelError, State, System, nearest
-from safety.terms import Bit, Term, UInt, select
+from safety.terms import Bit, Term, UInt, select, word
 from safety.terms.graph import BIT, describe, uint, variable
-from safety.terms.values import any_of, bit, const
+from safety.terms.values import any_of, bit
 
 PROVED, BOUNDED, VACUOUS, REFUTED, UNDECIDED = "proved", "bounded", "vacuous", "refuted", "undecided"
 VERDICTS = (PROVED, BOUNDED, VACUOUS, REFUTED, UNDECIDED)
@@ -324,14 +324,9 @@ def total(term: UInt, upto: int) -> UInt:
     def make(name: str) -> State:
         sum_ = cast(UInt, variable(name, uint(width)))
         more = sum_ + term
-        return State(sum_, select(more > upto, const_like(upto, width), more.low(width)), 0)
+        return State(sum_, select(more > upto, word(upto, width), more.low(width)), 0)
 
     return cast(UInt, _register(("total", term.uid, upto), make))
-
-
-def const_like(value: int, width: int) -> UInt:
-    """A constant word."""
-    return cast(UInt, const(value, uint(width)))
 
 
 def premises_of(holds: Bit) -> list[Bit]:
