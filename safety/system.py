@@ -30,6 +30,9 @@ class _Any:
     def __repr__(self) -> str:
         return "ANY"
 
+    def __reduce__(self) -> str:
+        return "ANY"  # a copy, or one from another process, is the one
+
 
 ANY = _Any()
 OUTPUT = " (output)"  # added to the name of an output that an input has too

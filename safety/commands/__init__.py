@@ -28,6 +28,9 @@ VERBS = {
     "rate": "work out rates and mean times",
     "report": "write or check the report of the last results",
     "replay": "show again how a claim fails, what a fault does, how a hazard comes about",
+    "check": "check certificates of proofs",
+    "export": "write a claim for another tool: AIGER, BTOR2, SMT-LIB, VMT, Verilog",
+    "doctor": "show which packages, engines and programs there are, and what is missing",
 }
 MODULES = {"list": "listing"}  # a module `list` would hide the built-in one here
 CHOSEN = {"verify": "results", "prove": "claims", "inject": "campaigns", "rate": "rates"}  # chosen with -k alone

@@ -2,26 +2,25 @@
 
 from __future__ import annotations
 
+import sys
 import time
 import traceback
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, TypeVar
 
+from safety.commands.recall import SCRIPTED, folder, recalled
 from safety.commands.selection import Item
-from safety.model import Model
 from safety.project import Problem, Project, Value
-from safety.prove.hazards import Hazard
-from safety.prove.prove import Limits
-from safety.system import ModelError
-from safety.tracing import resolve
+from safety.prove.cache import Cache
 
 if TYPE_CHECKING:
     from safety.inject import Campaign
+    from safety.model import Model
     from safety.prove.claims import Claim
+    from safety.prove.hazards import Hazard
     from safety.rates.claims import Rate
 
-SCRIPTED = "scripted scenario"
 Entry = dict[str, Any]
 Named = TypeVar("Named", "Claim", "Campaign", "Hazard", "Rate")
 Note = Callable[[str], None]
@@ -35,6 +34,8 @@ class Order:
     settings: Mapping[str, Value] = field(default_factory=dict)
     vcd: bool = False
     traceback: bool = False
+    cache: bool = False
+    again: Sequence[str] = ()  # claims to prove and to compare with what the cache says
 
 
 @dataclass
@@ -45,6 +46,7 @@ class Answer:
     entry: Entry | None = None
     problem: Problem | None = None
     vcd: str = ""
+    reads: list[tuple[str, Any]] = field(default_factory=list)  # files read for it, each with its time and size
 
 
 def evaluate(project: Project, item: Item, order: Order, note: Note) -> Answer:
@@ -63,8 +65,9 @@ def evaluate(project: Project, item: Item, order: Order, note: Note) -> Answer:
 
 def without_result(item: Item, error: Exception | str) -> Entry:
     """The entry of an item that came to nothing: engines that disagree, or an internal error."""
-    code = getattr(error, "exit_code", 70)
-    text = str(error) if code != 70 or isinstance(error, str) else f"{type(error).__name__}: {error}"
+    broken = _of_a_solver(error)
+    code = 3 if broken else getattr(error, "exit_code", 70)
+    text = broken or (str(error) if code != 70 or isinstance(error, str) else f"{type(error).__name__}: {error}")
     base: Entry = {
         "id": item.id,
         "model": item.model,
@@ -86,6 +89,16 @@ def without_result(item: Item, error: Exception | str) -> Entry:
             base |= {"quantity": item.statement, "value": None, "note": text}
             said = {"agree": False} if code == 6 else {}
     return base | (said if code in (3, 6) else {"error": text})
+
+
+def _of_a_solver(error: Exception | str) -> str:
+    """What to say of a solver that broke down, or of memory that ran out; nothing for any other error."""
+    home = type(error).__module__.partition(".")[0]
+    if not isinstance(error, MemoryError) and home not in ("z3", "cvc5"):
+        return ""
+    said = getattr(error, "value", None) or str(error) or type(error).__name__
+    said = said.decode(errors="replace") if isinstance(said, bytes) else said
+    return f"{home if home != 'builtins' else 'the prover'} broke down: {said}; give -j 1, or the claim a smaller bound"
 
 
 def fitting(model: type[Model], settings: Mapping[str, Value]) -> dict[str, Value]:
@@ -115,6 +128,9 @@ def models_of(project: Project, item: Item) -> list[type[Model]]:
 
 def has_parameter(model: type[Model], name: str) -> bool:
     """Whether a setting's name (or pattern) fits a parameter of the model."""
+    from safety.system import ModelError
+    from safety.tracing import resolve
+
     try:
         resolve(model, {name: None})
     except ModelError:
@@ -124,12 +140,15 @@ def has_parameter(model: type[Model], name: str) -> bool:
 
 def _claim(project: Project, item: Item, order: Order, note: Note) -> Answer:
     from safety.commands.stimulus import stimulus
-    from safety.prove.prove import prove
+    from safety.prove.prove import Limits, stated
     from safety.prove.record import claim_entry
 
     claim = find(project.claims, item.id)
-    outcome = prove(claim, Limits(order.timeout), fitting_claim(claim, order.settings))
-    entry, trace = claim_entry(outcome), outcome.counterexample
+    problem = stated(claim, fitting_claim(claim, order.settings))
+    cache = Cache(folder(project.root), _warn) if order.cache else None
+    found = recalled(cache, problem, Limits(order.timeout), item.id in order.again)
+    outcome = found.outcome
+    entry, trace = claim_entry(outcome) | found.marks, outcome.counterexample
     if trace is None:
         return Answer(item, entry)
     given = None if outcome.method.startswith(SCRIPTED) else stimulus(trace)  # a script stands in the proof file
@@ -146,13 +165,14 @@ def _campaign(project: Project, item: Item, order: Order, note: Note) -> Answer:
 
 def _hazard(project: Project, item: Item, order: Order, note: Note) -> Answer:
     from safety.prove.hazards import cut_sets
-    from safety.trees.from_model import tree_entry
+    from safety.prove.prove import Limits
+    from safety.trees.from_model import told, tree_entry
 
     hazard = find(project.hazards, item.id)
     claim = hazard.claim
     hazard = replace(hazard, claim=replace(claim, settings={**claim.settings, **fitting(claim.model, order.settings)}))
     began = time.perf_counter()
-    found = cut_sets(hazard, Limits(order.timeout), note)
+    found = cut_sets(hazard, Limits(order.timeout), lambda sofar: note(told(sofar, hazard)))
     return Answer(item, tree_entry(found, hazard, time.perf_counter() - began))
 
 
@@ -160,17 +180,28 @@ def _rate(project: Project, item: Item, order: Order, note: Note) -> Answer:
     return Answer(item, find(project.rates, item.id).evaluate())
 
 
+def _mutants(project: Project, item: Item, order: Order, note: Note) -> Answer:
+    from safety.commands.mutants import examined
+
+    return Answer(item, examined(project, item, order))
+
+
 _EVALUATE: Mapping[str, Callable[[Project, Item, Order, Note], Answer]] = {
     "claims": _claim,
     "campaigns": _campaign,
     "trees": _hazard,
     "rates": _rate,
+    "mutants": _mutants,
 }
 
 
 def find(declared: list[Named], wanted: str) -> Named:
     """The one of this id."""
     return next(one for one in declared if one.id == wanted)
+
+
+def _warn(text: str) -> None:
+    print(text, file=sys.stderr, flush=True)
 
 
 def _problem(project: Project, item: Item, error: Exception) -> Problem:

@@ -27,18 +27,20 @@ def last(root: Path) -> Results:
 
 def keep(root: Path, results: Results, whole: Sequence[str]) -> str:
     """Merge results into the last ones, replacing the sections in `whole`; a warning when that is not possible."""
-    before = {
-        name: value for name, value in last(root).items() if name not in (*whole, "runs", "limits", "interrupted")
-    }
+    there = last(root)
+    before = {name: value for name, value in there.items() if name not in (*whole, "runs", "limits", "interrupted")}
     if before.get("models") != results.get("models"):
         for section in JUDGED:
             before[section] = [{**entry, "outdated": True} for entry in before.get(section, ())]
     before.pop("models", None)
+    merged = merge(before, results)
+    if {**merged, "runs": None} == {**there, "runs": None}:  # results of an earlier run, which are there already
+        return ""
     try:
         folder = root / FOLDER
         if not (folder / ".gitignore").exists():
             write_text(folder / ".gitignore", "*\n")
-        save(merge(before, results), folder / FILE)
+        save(merged, folder / FILE)
     except OSError as error:
         return f"the results could not be kept for --lf, replay and report: {folder}: {error.strerror}"
     return ""

@@ -33,10 +33,41 @@ def add_work(parser: ArgumentParser) -> None:
     group = parser.add_argument_group("work")
     group.add_argument("-x", action="store_true", dest="first", help="stop at the first result that is not as asked")
     group.add_argument("-j", metavar="N", type=_count, dest="jobs", help="worker processes (default: one a core)")
-    group.add_argument("--timeout", metavar="SECONDS", type=_seconds, help="for one question to a solver (default: 60)")
+    add_timeout(group)
     add_settings(group)
     group.add_argument("--no-progress", action="store_true", help="plain lines, even on a terminal")
     add_json(parser)
+
+
+def add_timeout(parser: argparse._ActionsContainer) -> None:
+    """--timeout."""
+    parser.add_argument("--timeout", metavar="SECONDS", type=_seconds, help="for one question to a solver; default: 60")
+
+
+def add_cache(parser: ArgumentParser) -> None:
+    """--no-cache, --changed, --recheck."""
+    group = parser.add_argument_group("results of earlier runs (.rightside/cache)")
+    group.add_argument(
+        "--no-cache", action="store_false", dest="cache", help="work everything out anew; read and keep no results"
+    )
+    group.add_argument("--changed", action="store_true", help="only what has no result of an earlier run")
+    group.add_argument(
+        "--recheck", metavar="SHARE[@SEED]", type=share, default=(Fraction(0), ""),
+        help="prove this share of the claims with a result again (5%%, 1/20) and compare; another seed, other claims",
+    )  # fmt: skip
+
+
+def share(text: str) -> tuple[Fraction, str]:
+    """A share with a seed: `5%`, `1/20@tuesday`.  Raises ArgumentTypeError for anything else."""
+    amount, _, seed = text.partition("@")
+    number, percent = amount.removesuffix("%"), amount.endswith("%")
+    try:
+        found = Fraction(number) / (100 if percent else 1)
+    except (ValueError, ZeroDivisionError):
+        found = Fraction(-1)
+    if not 0 < found <= 1:
+        raise argparse.ArgumentTypeError(f"{text!r}: give a share, more than 0 and at most 100%, e.g. 5% or 1/20")
+    return found, seed
 
 
 def add_settings(parser: argparse._ActionsContainer) -> None:

@@ -17,6 +17,7 @@ rightside prove -k "voting and not two"   those whose id, model or requirement c
 rightside prove --req TS7-7 -x            those for a requirement, up to the first that is not as asked
 rightside prove --lf --timeout 300        those that failed the last time, with more time
 rightside prove --set k=120 --vcd waves   with another parameter; waveforms of what is refuted
+rightside prove --mutants -k threshold    would these claims notice if the model said something else?
 """
 
 
@@ -24,9 +25,14 @@ def add_arguments(parser: ArgumentParser) -> None:
     """Options of the verb."""
     options.add_selection(parser)
     options.add_work(parser)
+    options.add_cache(parser)
     parser.add_argument(
         "--vcd", metavar="DIR", help="write the run of each refuted claim as a waveform into this folder"
     )
+    parser.add_argument(
+        "--mutants", action="store_true",
+        help="change the models in every place, one by one, and show which changes no claim notices",
+    )  # fmt: skip
     parser.add_argument(
         "-q", "--quiet", action="store_true", help="no tables for claims that are refuted as they must be"
     )
@@ -34,4 +40,8 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 def run(args: Namespace) -> int:
     """Carry out the verb."""
+    if args.mutants:
+        from safety.commands import mutants
+
+        return mutants.run(args)
     return work(args, "claims", tables=not args.quiet).code

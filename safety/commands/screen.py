@@ -78,6 +78,7 @@ def line(section: str, entry: Entry, judged: Standing, width: int) -> str:
     if isinstance(seconds, Mapping):
         seconds = seconds.get("total")
     took = [f"{seconds:.2f} s"] if isinstance(seconds, int | float) else []
+    took += ["cached"] if entry.get("cached") else []
     head = f"{mark} {word.upper():<9} {entry['id']:<{min(width, NAMES)}}"
     return "  ".join([head, *(text for text in (*reason, *told, *took) if text)]).rstrip()
 

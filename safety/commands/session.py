@@ -12,9 +12,10 @@ from contextlib import closing
 from dataclasses import dataclass, field
 from fractions import Fraction
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from safety.commands import INPUT_ERROR, INTERRUPTED, CommandError, memory
+from safety.commands import INPUT_ERROR, INTERRUPTED, CommandError, earlier, memory
+from safety.commands.earlier import Earlier
 from safety.commands.evaluate import Answer, Order, fitting, has_parameter, models_of, without_result
 from safety.commands.options import cores
 from safety.commands.output import probe, write, write_json
@@ -22,14 +23,14 @@ from safety.commands.screen import Screen
 from safety.commands.selection import Item, items, select
 from safety.commands.versions import versions
 from safety.commands.workers import Workers
-from safety.model import Model
 from safety.project import MODELS, PROOFS, Problem, Project, open_project
 from safety.report import terminal
 from safety.report.results import Results, ResultsError, empty, exit_code, merge, validate
 from safety.report.schema import SCHEMA
 from safety.report.standing import DISAGREE, INTERNAL, NOTHING, WORDS, standing
-from safety.system import ModelError
-from safety.tracing import resolve, trace
+
+if TYPE_CHECKING:
+    from safety.model import Model
 
 NOUNS = {"claims": "claims", "campaigns": "campaigns", "trees": "hazards", "rates": "rates"}
 SAVE_S = 30.0  # what a power cut may cost
@@ -44,6 +45,7 @@ class Session:
     sections: Sequence[str]
     chosen: list[Item]
     results: Results
+    earlier: Earlier | None = None
     tables: bool = False
     interrupted: bool = False
     notes: dict[str, str] = field(default_factory=dict)
@@ -53,7 +55,8 @@ class Session:
     def part(self) -> bool:
         """Whether only a part of the project's results was asked for, or of a changed model."""
         args = self.args
-        return bool(args.keyword or args.req or args.lf or args.first or args.settings)
+        chosen = args.keyword or args.req or args.lf or args.first or getattr(args, "changed", False)
+        return bool(chosen or args.settings)
 
     def work(self) -> None:
         """Do everything that was chosen; results are shown as they come and kept, whatever happens."""
@@ -61,12 +64,18 @@ class Session:
         config, args = self.project.config, self.args
         settings = {**config.settings, **dict(args.settings)}
         order = Order(args.timeout or config.timeout, settings, bool(getattr(args, "vcd", None)), args.traceback)
-        self._check(order)
+        if self.earlier:
+            order.cache, order.again = True, self.earlier.again
+        if not (self.earlier and self.earlier.known):
+            self._check(order)
         screen = Screen(not args.no_progress)
         try:
             self._show_problems(screen, self.project.problems)
-            with screen, Workers(self.project, order, args.jobs or config.jobs or cores()) as workers:
-                self._gather(workers, screen)
+            width = max((len(item.id) for item in self.chosen), default=0)
+            left = self._recall(screen, width)
+            if left:
+                with screen, Workers(self.project, order, args.jobs or config.jobs or cores()) as workers:
+                    self._gather(left, workers, screen, width)
         except KeyboardInterrupt:
             self.interrupted = True
             self.results["interrupted"] = True
@@ -89,10 +98,20 @@ class Session:
         with contextlib.suppress(Exception):
             screen.say(f"stopped by an error; {done} of {len(self.chosen)} have a result, which is kept", "bold red")
 
-    def _gather(self, workers: Workers, screen: Screen) -> None:
-        width = max((len(item.id) for item in self.chosen), default=0)
-        saved, done = time.monotonic(), 0
-        order = self.chosen if self.args.first else memory.longest_first(self.project.root, self.chosen)
+    def _recall(self, screen: Screen, width: int) -> list[Item]:
+        """Take what earlier runs have found of a project without a change; what is left to do."""
+        left = []
+        for item in self.chosen:
+            entry = self.earlier.entry(item) if self.earlier else None
+            if entry is None:
+                left.append(item)
+            else:
+                self._take(Answer(item, entry), screen, width)
+        return left
+
+    def _gather(self, left: Sequence[Item], workers: Workers, screen: Screen, width: int) -> None:
+        saved, done = time.monotonic(), len(self.chosen) - len(left)
+        order = left if self.args.first else memory.longest_first(self.project.root, left)
         with closing(workers.run(order)) as events:
             for event in events:
                 if event.item is not None:
@@ -110,6 +129,8 @@ class Session:
     def _take(self, answer: Answer, screen: Screen, width: int) -> bool:
         """Show and keep an answer; whether it is as asked."""
         item, entry = answer.item, answer.entry
+        if self.earlier:
+            self.earlier.reads += answer.reads
         if answer.problem is not None:
             self._show_problems(screen, [answer.problem])
             self.project.problems.append(answer.problem)
@@ -141,6 +162,8 @@ class Session:
         """Refuse settings that no model has or that are out of range, before anything runs."""
         if not order.settings:
             return
+        from safety.tracing import trace
+
         models = _models(self.project, self.chosen)
         for name in order.settings:
             hit = [model for model in models if has_parameter(model, name)]
@@ -150,6 +173,9 @@ class Session:
                 trace(model, fitting(model, order.settings))
 
     def _refuse(self, models: Sequence[Any], name: str) -> None:
+        from safety.system import ModelError
+        from safety.tracing import resolve
+
         messages = []
         for model in models:
             try:
@@ -171,11 +197,15 @@ class Session:
         if problems:
             self.results["limits"] = [f"left out: {each.file}:{each.line}: {each.message}" for each in problems]
         warning = self._keep()
+        if self.earlier and not problems:
+            self.earlier.keep(self.results)
         try:
             for row in terminal.summary(self.results)[:-1]:  # the last one is the exit code, which more bears on here
                 screen.say(row.text, row.style)
             if warning:
                 screen.say(warning, "yellow")
+            for text in earlier.told(self.results):
+                screen.say(text)
             code, why = self._code()
             screen.say(f"exit {code}: {why}", "bold red" if code else "bold green")
         finally:
@@ -196,18 +226,22 @@ class Session:
         return code, WORDS[code]
 
 
-def start(args: Namespace, sections: Sequence[str]) -> Session:
+def start(args: Namespace, sections: Sequence[str], whole: bool = False) -> Session:
     """Load the project and choose what to work on.  Raises CommandError or ProjectError."""
     project = open_project(Path(args.project) if args.project else None)
-    project.load_proofs()
-    found = items(project, sections)
+    before = earlier.of(project, args)
+    if before is None or not before.known or whole:
+        project.load_proofs()
+    found = before.items(project, sections) if before else items(project, sections)
     chosen = select(found, args, memory.last(project.root) if args.lf else {})
+    if before:
+        chosen = before.chosen(project, chosen)
     results = empty(**versions())
     results["project"] = project.config.title or project.root.name
     results["models"] = texts(project)
     if args.settings:
         results["settings"] = {name: str(value) for name, value in args.settings}
-    return Session(project, args, sections, chosen, results)
+    return Session(project, args, sections, chosen, results, before)
 
 
 def texts(project: Project) -> list[dict[str, Any]]:
@@ -228,7 +262,7 @@ def work(args: Namespace, *sections: str, tables: bool = False, whole: bool = Fa
         probe(Path(args.json))
     if getattr(args, "vcd", None):
         probe(Path(args.vcd, "*.vcd"))
-    session = start(args, sections)
+    session = start(args, sections, whole)
     session.tables = tables
     if whole:
         session.results["parameters"] = parameters(session.project, session.chosen)
@@ -245,6 +279,8 @@ def work(args: Namespace, *sections: str, tables: bool = False, whole: bool = Fa
 
 def parameters(project: Project, chosen: Sequence[Item]) -> list[dict[str, Any]]:
     """The parameters of every model that is worked on, with unit, range, source and its tag."""
+    from safety.tracing import trace
+
     found = {}
     for model in _models(project, chosen):
         for each in trace(model, fitting(model, project.config.settings)).settings.values():

@@ -102,6 +102,8 @@ def _text(entry: Entry) -> str:
     if entry.get("completeness"):
         confirmed, candidate = (sum(entry[name].values()) for name in ("confirmed", "candidate"))
         lines.append(f"cut sets {entry['completeness']}; {confirmed} confirmed by a run, {candidate} candidates")
+        if entry.get("minimal_by"):
+            lines.append(f"no part of a cut set suffices: {', '.join(entry['minimal_by'])}")
     lines.append(_probability(entry))
     rows = [
         [f"#{n}", " & ".join(one["events"]) or "(no fault needed)", _chance(entry, one), one.get("status", "")]

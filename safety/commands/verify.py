@@ -27,6 +27,7 @@ def add_arguments(parser: ArgumentParser) -> None:
     """Options of the verb."""
     options.add_selection(parser)
     options.add_work(parser)
+    options.add_cache(parser)
     parser.add_argument("--to", metavar="DIR", help="folder of the report (default: reports/, or as configured)")
 
 

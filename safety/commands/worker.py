@@ -31,17 +31,21 @@ def main() -> None:
     head = json.loads(lines.get())
 
     from safety.commands.evaluate import Order, evaluate
+    from safety.commands.recall import started_with
+    from safety.commands.snapshot import Reads
 
     settings = {name: typed(value) for name, value in head["order"].pop("settings").items()}
     order = Order(**head["order"], settings=settings)
     project = Project(Path(head["root"]), Config())
+    if order.cache:
+        started_with()
+    reads = Reads(project.root) if order.cache else None
     project.load_proofs()
     while True:
         item = Item(**json.loads(lines.get()))
         answer = evaluate(project, item, order, lambda text: _write(answers, {"note": text}))
-        _write(
-            answers, {"entry": answer.entry, "problem": answer.problem and asdict(answer.problem), "vcd": answer.vcd}
-        )
+        told = {"entry": answer.entry, "problem": answer.problem and asdict(answer.problem), "vcd": answer.vcd}
+        _write(answers, told | {"reads": reads.taken() if reads else []})
 
 
 def plain(value: Any) -> Any:

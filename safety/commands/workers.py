@@ -129,7 +129,7 @@ class Workers:
 
 def _answer(item: Item, message: Any) -> Answer:
     problem = message["problem"] and Problem(**message["problem"])
-    return Answer(item, message["entry"], problem, message["vcd"])
+    return Answer(item, message["entry"], problem, message["vcd"], [(path, told) for path, told in message["reads"]])
 
 
 def _died(item: Item, code: int) -> Answer:

@@ -8,7 +8,8 @@
 The lemmas are proved once for every combination of faults.  Sets of faults are then enumerated by rising number: each
 set that the lemmas allow is run on the Python reading (confirmed) or stays a candidate; when no further set is allowed
 at an order, the list is complete there, and one more question asks for sets of any order.  Lemmas that are too weak
-can only add candidates, never lose a cut set: a candidate stands for every set that contains it.
+can only add candidates, never lose a cut set: a candidate stands for every set that contains it.  At the end, questions
+that know nothing of the enumeration ask for the hazard with only a part of a set present: there must be none.
 """
 
 from __future__ import annotations
@@ -51,7 +52,8 @@ class CutSet:
 class CutSets:
     """All minimal cut sets up to `complete_to` faults; `all_orders` when no further one of any order exists.
 
-    `agreed_by` names the solvers that confirm that the list is complete.
+    `agreed_by` names the solvers that confirm that the list is complete, `minimal_by` those that show that no proper
+    part of a set suffices; `not_minimal` are sets of which a part may suffice.
     """
 
     id: str
@@ -60,6 +62,8 @@ class CutSets:
     all_orders: bool
     why: str = ""
     agreed_by: list[str] = field(default_factory=list)
+    minimal_by: list[str] = field(default_factory=list)
+    not_minimal: list[tuple[str, ...]] = field(default_factory=list)
 
     def by_order(self, status: str | None = None) -> dict[int, int]:
         """Number of sets of each order."""
@@ -146,8 +150,10 @@ def _register(new: Hazard, formula: Formula) -> None:
     _registry[new.id], _formulas[new.id] = new, formula
 
 
-def cut_sets(hazard: Hazard, limits: Limits | None = None, progress: Callable[[str], None] | None = None) -> CutSets:
-    """Enumerate the minimal cut sets.
+def cut_sets(
+    hazard: Hazard, limits: Limits | None = None, progress: Callable[[CutSets], None] | None = None
+) -> CutSets:
+    """Enumerate the minimal cut sets; `progress` is shown what there is after each order.
 
     Raises `ModelError` when a lemma does not hold under all faults, or when the assumptions admit no run at all.
     """
@@ -166,12 +172,16 @@ def cut_sets(hazard: Hazard, limits: Limits | None = None, progress: Callable[[s
     question = _Question(problem, "z3", limits.timeout)
     result = CutSets(hazard.id, [], -1, False)
     for order in range(hazard.most + 1):
-        if not _order(hazard, question, order, result):
-            return result
+        complete = _order(hazard, question, order, result)
+        if not complete:
+            break
         result.complete_to = order
-        say(f"{hazard.id}: order {order} complete, {len(result.sets)} cut sets so far")
-    result.all_orders = question.solver.check() == UNSAT
-    result.agreed_by = [name for name in answer.agreed_by if name == "z3" or _confirms(problem, result, name, limits)]
+        say(result)
+    else:
+        result.all_orders = question.solver.check() == UNSAT
+        by = [name for name in answer.agreed_by if name == "z3" or _confirms(problem, result, name, limits)]
+        result.agreed_by = by
+    _check_minimal(problem, result, limits)
     return result
 
 
@@ -201,10 +211,20 @@ class _Question:
         absent = [self.k.Not(self.present[name]) for name in chosen]
         self.solver.add(self.k.Or(*absent) if len(absent) > 1 else absent[0] if absent else self.k.BoolVal(False))
 
+    def part_of(self, sets: Sequence[tuple[str, ...]]) -> None:
+        """Only faults of one of these sets, but not all of them."""
+        within = []
+        for one in sets:
+            absent = [self.k.Not(p) for name, p in self.present.items() if name not in one]
+            some_absent = self.k.Or(*(self.k.Not(self.present[name]) for name in one), self.k.BoolVal(False))
+            within.append(self.k.And(*absent, some_absent))
+        self.solver.add(self.k.Or(*within, self.k.BoolVal(False)))
+
     def chosen(self) -> tuple[str, ...]:
         """The faults of the last answer."""
-        model = self.solver.model()
-        return tuple(name for name, p in self.present.items() if bool(model.eval(p, model_completion=True)))
+        model, z3 = self.solver.model(), self.solver.name == "z3"
+        values = {name: model.eval(p, model_completion=True) if z3 else model[p] for name, p in self.present.items()}
+        return tuple(name for name, value in values.items() if self.k.is_true(value))
 
 
 def _order(hazard: Hazard, question: _Question, order: int, result: CutSets) -> bool:
@@ -242,6 +262,48 @@ def _confirms(problem: Problem, result: CutSets, name: str, limits: Limits) -> b
     if answer == SAT:
         raise Disagreement(f"{result.id}: {name} finds one more cut set, z3 does not")
     return answer == UNSAT
+
+
+def _check_minimal(problem: Problem, result: CutSets, limits: Limits) -> None:
+    """Show, with each solver, that no proper part of a set suffices; name the sets of which one may.
+
+    Raises `Disagreement` when one solver shows it and another finds such a part.
+    """
+    left = [one.faults for one in result.sets if one.faults]
+    said: dict[str, str] = {}
+    for name in limits.solvers:
+        said[name], parts = _parts(problem, left, name, limits)
+        result.not_minimal += [one for one in left if one in parts and one not in result.not_minimal]
+    if SAT in said.values() and UNSAT in said.values():
+        raise Disagreement(f"{result.id}: whether a part of a cut set suffices: {said}")
+    result.minimal_by = [name for name, answer in said.items() if answer == UNSAT]
+    if result.not_minimal:
+        names = "; ".join(" + ".join(one) for one in result.not_minimal)
+        result.why = "; ".join(filter(None, [result.why, f"not minimal: a part suffices of {names}"]))
+
+
+def _parts(
+    problem: Problem, sets: Sequence[tuple[str, ...]], solver: str, limits: Limits
+) -> tuple[str, set[tuple[str, ...]]]:
+    """What a solver says to whether a proper part of a set allows the hazard, and the sets of which one does."""
+    left: list[tuple[str, ...]] = list(sets)
+    larger: set[tuple[str, ...]] = set()
+    try:
+        question = _Question(problem, solver, limits.timeout)
+        while True:
+            question.solver.push()
+            question.part_of(left)
+            answer = question.solver.check()
+            if answer != SAT:
+                return (SAT if larger else answer), larger
+            found = set(question.chosen())
+            question.solver.pop()
+            new = {one for one in left if found < set(one)}
+            assert new, f"{found} is no proper part of any set"
+            larger |= new
+            left = [one for one in left if one not in larger]
+    except Exception:  # missing or broken down: it shows nothing
+        return UNKNOWN, larger
 
 
 def _replayed(hazard: Hazard, problem: Problem, chosen: tuple[str, ...]) -> CutSet:

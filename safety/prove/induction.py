@@ -12,6 +12,8 @@ need not be reachable and is never shown as a counterexample.
 
 from __future__ import annotations
 
+import math
+import time
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
@@ -66,24 +68,29 @@ class Answer:
         )  # fmt: skip
 
 
-def by_induction(problem: Problem, depth: int, integers: bool, timeout: float, solvers: tuple[str, ...]) -> Answer:
-    """Try induction of depth 0 (lemmas alone), 1, ... `depth`; every obligation goes to every solver."""
+def by_induction(
+    problem: Problem, depth: int, integers: bool, timeout: float, solvers: tuple[str, ...], until: float = math.inf
+) -> Answer:
+    """Try induction of depth 0 (lemmas alone), 1, ... `depth`; every obligation goes to every solver.
+
+    No further depth is tried once the monotonic clock shows `until`.
+    """
     lemmas = lemma_obligations(problem, integers, timeout, solvers)
     if not lemmas.proved:
         return lemmas
     asked = 0
     for k in range(depth + 1):
-        answer = _discharge(problem, property_obligations(problem, k), integers, timeout, solvers)
+        answer = discharge(problem, property_obligations(problem, k), integers, timeout, solvers)
         asked += answer.questions
         answer.depth, answer.questions = k, asked
-        if answer.proved:
+        if answer.proved or time.monotonic() > until:
             break
     return answer.after(lemmas)
 
 
 def lemma_obligations(problem: Problem, integers: bool, timeout: float, solvers: tuple[str, ...]) -> Answer:
     """Start and step of every lemma, without the property."""
-    return _discharge(problem, invariance(problem), integers, timeout, solvers)
+    return discharge(problem, invariance(problem), integers, timeout, solvers)
 
 
 def invariance(problem: Problem) -> list[Obligation]:
@@ -112,7 +119,7 @@ def property_obligations(problem: Problem, depth: int) -> list[Obligation]:
     return [follows, *first]
 
 
-def _discharge(
+def discharge(
     problem: Problem, obligations: Sequence[Obligation], integers: bool, timeout: float, solvers: tuple[str, ...]
 ) -> Answer:
     """Put each obligation to each solver, up to the first that none of them discharges."""

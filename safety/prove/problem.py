@@ -42,12 +42,20 @@ class Problem:
         return any_of(*self.premises)
 
 
-def build_problem(claim: Claim, settings: dict[str, Any] | None = None) -> Problem:
-    """Trace the model, build in the faults, evaluate the claim's formulas.
+Change = Callable[[System], System]
+
+
+def as_written(system: System) -> System:
+    """No change of the model."""
+    return system
+
+
+def build_problem(claim: Claim, settings: dict[str, Any] | None = None, change: Change = as_written) -> Problem:
+    """Trace the model, `change` it (for mutants of it), build in the faults, evaluate the claim's formulas.
 
     Raises `ModelError` (or `TermError`) for a claim that names no signal, a lemma that reads an input, and the like.
     """
-    bare = trace(claim.model, {**claim.settings, **(settings or {})}, claim.symbolic)
+    bare = change(trace(claim.model, {**claim.settings, **(settings or {})}, claim.symbolic))
     if claim.anywhere:
         bare = replace(bare, states=tuple(replace(s, power_up=ANY) for s in bare.states))
     faulted = equipped(claim, bare, claim.steps_per_frame)

@@ -3,35 +3,44 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from typing import Any
 
 from safety.prove import search
-from safety.prove.claims import BOUNDED, INTEGERS, PROVED, REFUTED, UNDECIDED, VACUOUS, Claim
+from safety.prove.claims import BOUNDED, PROVED, REFUTED, UNDECIDED, VACUOUS, Claim
+from safety.prove.engines.engine import in_integers, uses_reals
+from safety.prove.falsify import falsify, reach
 from safety.prove.induction import Answer, by_induction
 from safety.prove.problem import Problem, build_problem, premise_name, without_model
 from safety.prove.refinement import build_refinement
 from safety.prove.solve import UNSAT, Solver
+from safety.prove.vacuity import ends_after
 from safety.system import ModelError
 from safety.terms import Bit
-from safety.terms.graph import describe, postorder
+from safety.terms.graph import describe
 from safety.terms.smt import Encoder
 from safety.trace import Trace
+
+DEEPEST = 100_000  # steps that directed simulation goes at most
 
 
 @dataclass
 class Limits:
-    """Seconds for one solver question, and which solvers are asked."""
+    """Seconds for one solver question, for finding lemmas and for simulation, and which solvers are asked."""
 
     timeout: float = 60.0
     solvers: tuple[str, ...] = ("z3", "cvc5")
+    synthesis: float = 30.0
+    simulation: float = 4.0
 
 
 @dataclass
 class Outcome:
     """What was found out about a claim.
 
-    `steps` is the length of a counterexample or the depth of a bounded verdict; `why` explains anything but success.
+    `problem` has the lemmas that the proof rests on; `found` names those that the tool found itself.  `steps` is the
+    length of a counterexample or the depth of a bounded verdict; `why` explains anything but success.
     """
 
     claim: Claim
@@ -46,6 +55,7 @@ class Outcome:
     why: str = ""
     seconds: float = 0.0
     questions: int = 0
+    found: tuple[str, ...] = ()
 
     @property
     def as_expected(self) -> bool:
@@ -59,10 +69,21 @@ def prove(claim: Claim, limits: Limits | None = None, settings: dict[str, Any] |
 
     Raises `ModelError` for a claim that is not well formed, `Disagreement` when solvers differ.
     """
-    limits = limits or Limits()
     began = time.perf_counter()
-    problem = build_refinement(claim, settings) if claim.refinement is not None else build_problem(claim, settings)
-    outcome = _decide(problem, limits)
+    outcome = decide(stated(claim, settings), limits)
+    outcome.seconds = time.perf_counter() - began
+    return outcome
+
+
+def stated(claim: Claim, settings: dict[str, Any] | None = None) -> Problem:
+    """What a claim asks.  Raises `ModelError` for a claim that is not well formed."""
+    return build_refinement(claim, settings) if claim.refinement is not None else build_problem(claim, settings)
+
+
+def decide(problem: Problem, limits: Limits | None = None) -> Outcome:
+    """The verdict on a problem.  Raises `Disagreement` when solvers differ."""
+    began = time.perf_counter()
+    outcome = _decide(problem, limits or Limits())
     outcome.seconds = time.perf_counter() - began
     return outcome
 
@@ -75,20 +96,28 @@ def _decide(problem: Problem, limits: Limits) -> Outcome:
         if broken is not None:
             return _refuted(outcome, broken, "scripted scenario, replayed")
     if claim.expect == REFUTED:  # the search is the quicker way to what is expected
-        if not _search(problem, outcome, limits):
-            _induct(problem, outcome, limits)
-    elif not _induct(problem, outcome, limits):
-        _search(problem, outcome, limits)
+        if not _search(problem, outcome, limits) and not _simulate(problem, outcome, limits):
+            _proof(problem, outcome, limits)
+    elif not _proof(problem, outcome, limits) and not _search(problem, outcome, limits):
+        _simulate(problem, outcome, limits)
     if outcome.verdict in (PROVED, BOUNDED):
-        _premises(problem, outcome, limits)
-    if outcome.verdict == PROVED and _holds_of_any_model(problem, limits):
-        note = "it holds whatever the model does: it says nothing about this one"
-        outcome.why = "; ".join(filter(None, [outcome.why, note]))
+        _premises(outcome.problem or problem, outcome, limits)
+    if outcome.verdict == PROVED:
+        outcome.why = "; ".join(filter(None, [outcome.why, *_says_less(problem, limits)]))
     return outcome
 
 
+def _says_less(problem: Problem, limits: Limits) -> Iterator[str]:
+    """In what a proved claim says less than it seems to."""
+    if _holds_of_any_model(problem, limits):
+        yield "it holds whatever the model does: it says nothing about this one"
+    last = ends_after(problem, problem.claim.steps, uses_reals(problem), limits.timeout)
+    if last is not None:
+        yield f"no run keeps what is assumed for more than {last} steps: it says nothing of later ones"
+
+
 def _holds_of_any_model(problem: Problem, limits: Limits) -> bool:
-    encoder = Encoder("z3", _integers(problem))
+    encoder = Encoder("z3", in_integers(problem))
     claimed = encoder([without_model(problem)])[0]
     solver = Solver("z3", encoder.k, limits.timeout)
     solver.add(*encoder.ranges, encoder.k.Not(claimed))
@@ -101,21 +130,37 @@ def _refuted(outcome: Outcome, trace: Trace, method: str) -> Outcome:
     return outcome
 
 
-def _uses_reals(problem: Problem) -> bool:
-    formulas = [problem.holds, problem.given, problem.start, *problem.premises, *problem.lemmas.values()]
-    return any(t.sort.kind == "real" for t in postorder([*formulas, *problem.system.roots()]))
-
-
-def _integers(problem: Problem) -> bool:
-    return problem.claim.arithmetic == INTEGERS or _uses_reals(problem)
-
-
 def _by_induction(problem: Problem, limits: Limits) -> Answer:
-    return by_induction(problem, problem.claim.induction, _integers(problem), limits.timeout, limits.solvers)
+    return by_induction(problem, problem.claim.induction, in_integers(problem), limits.timeout, limits.solvers)
 
 
 def _bounded(problem: Problem, target: Bit, limits: Limits) -> search.Found:
-    return search.bounded(problem, target, problem.claim.steps, _uses_reals(problem), limits.timeout)
+    return search.bounded(problem, target, problem.claim.steps, uses_reals(problem), limits.timeout)
+
+
+def _proof(problem: Problem, outcome: Outcome, limits: Limits) -> bool:
+    """Induction with the claim's own lemmas, or with lemmas that are found."""
+    return _induct(problem, outcome, limits) or (not problem.lemmas and _with_found_lemmas(problem, outcome, limits))
+
+
+def _with_found_lemmas(problem: Problem, outcome: Outcome, limits: Limits) -> bool:
+    """Find lemmas, then prove them and the property as if a user had written them: nothing rests on the finding."""
+    if limits.synthesis <= 0 or not in_integers(problem):
+        return False
+    from safety.prove.synthesis.synthesise import synthesise
+
+    found = synthesise(problem, limits.synthesis)
+    if found.depth is None:
+        outcome.why = "; ".join(filter(None, [outcome.why, found.why]))
+        return False
+    whole = replace(problem, lemmas=found.lemmas)
+    failed, outcome.why = outcome.why, ""
+    if not _induct(whole, outcome, limits):
+        outcome.why = "; ".join(filter(None, [failed, f"with lemmas that were found: {outcome.why}"]))
+        return False
+    outcome.problem, outcome.found = whole, tuple(found.lemmas)
+    outcome.method = outcome.method.replace("lemmas", "found lemmas")
+    return True
 
 
 def _induct(problem: Problem, outcome: Outcome, limits: Limits) -> bool:
@@ -126,7 +171,7 @@ def _induct(problem: Problem, outcome: Outcome, limits: Limits) -> bool:
         outcome.why = "; ".join(filter(None, [f"induction fails: {answer.failed}", outcome.why]))
         return False
     used = f"{len(problem.lemmas)} lemmas" if problem.lemmas else "no lemmas"
-    form = "integers" if _integers(problem) else "bits"
+    form = "integers" if in_integers(problem) else "bits"
     outcome.verdict, outcome.agreed_by, outcome.steps = PROVED, answer.agreed_by, None
     outcome.method = f"induction of depth {answer.depth}, {used}, {form}"
     outcome.why = _who_is_silent(answer)
@@ -155,6 +200,14 @@ def _search(problem: Problem, outcome: Outcome, limits: Limits) -> bool:
     return False
 
 
+def _simulate(problem: Problem, outcome: Outcome, limits: Limits) -> bool:
+    """Directed simulation, for what lies deeper than the search goes."""
+    found = falsify(problem, DEEPEST, limits.simulation) if limits.simulation > 0 else None
+    if found is not None:
+        _refuted(outcome, found, "directed simulation, replayed")
+    return found is not None
+
+
 def _premises(problem: Problem, outcome: Outcome, limits: Limits) -> None:
     """Show that each premise (with the assumptions) can happen; a claim that never says anything is vacuous."""
     met = _witnessed(problem)
@@ -165,6 +218,8 @@ def _premises(problem: Problem, outcome: Outcome, limits: Limits) -> None:
             return
         if i not in met:
             found = _bounded(problem, premise, limits)
+            if found.run is None and limits.simulation > 0:
+                found.run = reach(problem, premise, DEEPEST, limits.simulation)
             if found.run is None:
                 _unmet(problem, outcome, premise, found, limits)
                 return

@@ -16,7 +16,7 @@ from safety.faults import Budget, within
 from safety.fields import fit
 from safety.model import Model
 from safety.prove.claims import BITS, Claim, F, Formula, Seen, claim_id, register
-from safety.prove.problem import Problem, equipped
+from safety.prove.problem import Change, Problem, as_written, equipped
 from safety.system import ANY, ModelError, State, System, nearest, substitute
 from safety.terms import Bit
 from safety.terms.graph import Term, variable, variables
@@ -75,15 +75,16 @@ def refines(
     return declare
 
 
-def build_refinement(claim: Claim, settings: Mapping[str, Any] | None = None) -> Problem:
+def build_refinement(claim: Claim, settings: Mapping[str, Any] | None = None, change: Change = as_written) -> Problem:
     """The two models side by side, one upper step a step, as a problem like any other.
 
-    `settings` go to each of the two that has such a parameter.  What the upper model assumes of inputs is assumed; what
-    it assumes of its registers has to be shown.  Raises `ModelError` for registers, outputs or inputs that do not fit.
+    `settings` go to each of the two that has such a parameter, `change` is for mutants of the lower model.  What the
+    upper model assumes of inputs is assumed; what it assumes of its registers has to be shown.  Raises `ModelError` for
+    registers, outputs or inputs that do not fit.
     """
     wanted: Refinement = claim.refinement
     given_to = {model: _fitting(model, {**claim.settings, **(settings or {})}) for model in (claim.model, wanted.upper)}
-    faulted = equipped(claim, trace(claim.model, given_to[claim.model]), wanted.steps)
+    faulted = equipped(claim, change(trace(claim.model, given_to[claim.model])), wanted.steps)
     frame = faulted.system
     upper = _renamed(trace(wanted.upper, given_to[wanted.upper]), frame)
     read = _read(claim, Seen(frame, faulted), upper)

@@ -44,11 +44,13 @@ class Found:
     why: str = ""
 
 
-def bounded(problem: Problem, target: Bit, steps: int, integers: bool, timeout: float) -> Found:
+def bounded(
+    problem: Problem, target: Bit, steps: int, integers: bool, timeout: float, done: Callable[[int], None] | None = None
+) -> Found:
     """Look for the shortest run whose last step satisfies `target`, up to `steps` steps; then the smallest of those.
 
-    `searched` counts the steps shown free of the target.  The run does not depend on the solver (reals that are no
-    plain numbers apart).
+    `searched` counts the steps shown free of the target; `done` is told that number as it grows.  The run does not
+    depend on the solver (reals that are no plain numbers apart).
     """
     unrolling = Unrolling(problem.system, "z3", integers)
     asked = Solver("z3", unrolling.k, timeout, finite=not integers)
@@ -70,7 +72,28 @@ def bounded(problem: Problem, target: Bit, steps: int, integers: bool, timeout: 
         if answer == UNKNOWN:
             return Found(None, k, complete=False, why=f"the solver gave no answer at step {k}: {asked.why}")
         asked.add(unrolling.k.Not(hit))
+        if done is not None:
+            done(k + 1)
     return Found(None, steps)
+
+
+def run_of_length(problem: Problem, target: Bit, steps: int, integers: bool, timeout: float) -> Found:
+    """Look for a run of so many steps whose last satisfies `target`, the smallest; shorter ones are not asked for."""
+    unrolling = Unrolling(problem.system, "z3", integers)
+    asked = Solver("z3", unrolling.k, timeout, finite=not integers)
+    asked.add(*unrolling.at(0, [problem.start]))
+    for k in range(steps):
+        asked.add(*unrolling.at(k, [problem.given]))
+    asked.add(*unrolling.at(steps - 1, [target]))
+    asked.add_ranges(unrolling)
+    answer = asked.check()
+    if answer != SAT:
+        return Found(None, 0, answer != UNKNOWN, asked.why or f"there is no run of {steps} steps")
+    try:
+        values = _smallest(problem, unrolling, asked, steps - 1)
+    except TermError as error:
+        return Found(None, 0, complete=False, why=str(error))
+    return Found(replay(problem, values, steps, target), 0)
 
 
 def _smallest(problem: Problem, unrolling: Unrolling, asked: Solver, last: int) -> dict[tuple[str, int], Any]:

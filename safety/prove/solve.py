@@ -69,16 +69,18 @@ class Solver:
 
     `finite`: the question has bits and bit-vectors only (z3 then runs its incremental SAT engine, cvc5 turns it into
     SAT at once: its ways of doing so while solving took minutes on a serial adder, or on 80 faults).
+    `real`: it has reals only (z3 then runs nlsat).
     """
 
     name: str
     k: Any
     timeout: float
     finite: bool = False
+    real: bool = False
 
     def __post_init__(self) -> None:
-        logic = "QF_FD" if self.name == "z3" else "QF_BV"
-        self.raw = self.k.SolverFor(logic) if self.finite else self.k.Solver()
+        logic = "QF_NRA" if self.real else "QF_FD" if self.name == "z3" else "QF_BV"
+        self.raw = self.k.SolverFor(logic) if self.finite or self.real else self.k.Solver()
         milliseconds = int(self.timeout * 1000)
         if self.name == "z3":
             self.raw.set("timeout", milliseconds)

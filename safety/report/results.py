@@ -37,13 +37,15 @@ __all__ = [
     "merge",
     "save",
     "validate",
+    "write_bytes",
     "write_text",
 ]
 
 Results = dict[str, Any]
 
-# Keys of an entry that differ from run to run or with the solver: times, questions asked, a state it happened to pick
-VOLATILE = frozenset({"seconds", "injections_per_second", "questions", "candidate"})
+# Keys of an entry that differ from run to run or with the solver: times, questions asked, a state it happened to pick,
+# whether the result is of an earlier run
+VOLATILE = frozenset({"seconds", "injections_per_second", "questions", "candidate", "cached", "rechecked"})
 DIGITS = 12  # significant digits of a committed double: mathematical libraries differ in the last two or three
 _PLACE = re.compile(r" - at `\$(.*)`$")
 
@@ -148,12 +150,17 @@ def save(results: Results, path: Path) -> None:
 
 
 def write_text(path: Path, text: str) -> None:
-    """Write a file so that a reader sees the old text or the new one, never a part."""
+    """Write a text file so that a reader sees the old text or the new one, never a part."""
+    write_bytes(path, text.encode("utf-8"))
+
+
+def write_bytes(path: Path, content: bytes) -> None:
+    """The same for any file."""
     path.parent.mkdir(parents=True, exist_ok=True)
     handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
     try:
-        with open(handle, "w", encoding="utf-8", newline="\n") as file:
-            file.write(text)
+        with open(handle, "wb") as file:
+            file.write(content)
         os.chmod(temporary, 0o644)  # mkstemp gives 0600; a report is there to be read
         os.replace(temporary, path)
     except BaseException:

@@ -108,6 +108,8 @@ class Claim(TypedDict, total=False):
     power_up: str | None
     vacuity: Reached | None  # None: the claim has no premise
     counterexample: Counterexample | None
+    cached: bool  # of an earlier run, for the same problem
+    rechecked: bool  # proved again, with the same outcome
     seconds: Number
     error: str | None  # an internal error met while working on it
 
@@ -222,6 +224,9 @@ class Tree(TypedDict, total=False):
     minimal_cut_sets: CutSets | None
     importance: list[Importance]
     cut_sets: list[Found]  # as found on a model
+    minimal_by: list[str]  # solvers that show that no proper part of a set suffices
+    not_minimal: list[list[str]]  # sets of which a part may suffice
+    cached: bool  # of an earlier run, from which nothing has changed
     complete_to_order: int | None  # of these
     complete_at_all_orders: bool
     faults_listed: int  # of the hazard: what "all orders" is about

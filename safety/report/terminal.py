@@ -53,6 +53,8 @@ def _unexpected(results: Mapping[str, Any]) -> Iterator[Line]:
         yield Line(_fit(f"    {standing.reason}"), "red")
         if entry.get("statement"):
             yield Line(_fit(f"    {entry['statement']}"))
+        if entry.get("why"):
+            yield Line(_fit(f"    why: {entry['why']}"))
         if entry.get("counterexample"):
             yield from changed_cells(entry)
         yield Line("")

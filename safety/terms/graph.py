@@ -7,9 +7,10 @@ table's (`safety.terms.table`), and how a term is written is the values' (`safet
 
 from __future__ import annotations
 
+import contextlib
 import itertools
 import weakref
-from collections.abc import Callable, Container, Iterable, Mapping
+from collections.abc import Callable, Container, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
@@ -137,6 +138,27 @@ def node(op: str, args: tuple[Term, ...], attr: Any, sort: Sort) -> Term:
         found.op, found.args, found.attr, found.sort, found.uid = op, args, attr, sort, next(_uids)
         _nodes[key] = found
     return found
+
+
+@contextlib.contextmanager
+def noting(note: Callable[[Term], None]) -> Iterator[None]:
+    """While within, `note` is told of each term that is made or found again: where it is written, for instance.
+
+    `node` itself is exchanged, so that nothing is asked or paid for elsewhere; not for several threads at a time.
+    """
+    global node
+    plain = node
+
+    def told(op: str, args: tuple[Term, ...], attr: Any, sort: Sort) -> Term:
+        term = plain(op, args, attr, sort)
+        note(term)
+        return term
+
+    node = told
+    try:
+        yield
+    finally:
+        node = plain
 
 
 def graph_size() -> int:

@@ -7,6 +7,7 @@ one column for both.
 
 from __future__ import annotations
 
+import importlib
 from collections.abc import Iterable
 from fractions import Fraction
 from types import ModuleType
@@ -15,20 +16,29 @@ from typing import Any
 from safety.terms.graph import REAL, Sort, Term, TermError, describe, postorder
 from safety.terms.table import OPERATIONS, vector_bits
 
-SOLVERS = ("z3", "cvc5")
+SOLVERS = {"z3": ("z3", "z3-solver"), "cvc5": ("cvc5.pythonic", "cvc5")}  # module, distribution
+
+
+class SolverMissingError(ImportError):
+    """A solver cannot be loaded; what needs it stays undecided."""
+
+    exit_code = 3
 
 
 def solver_module(name: str) -> ModuleType:
-    """The Python interface of a solver: `z3`, or cvc5 under the same names; `TermError` for another name."""
-    if name == "z3":
-        import z3
+    """The Python interface of a solver: `z3`, or cvc5 under the same names.
 
-        return z3  # type: ignore[no-any-return]
-    if name == "cvc5":
-        import cvc5.pythonic
-
-        return cvc5.pythonic  # type: ignore[no-any-return]
-    raise TermError(f"{name!r} is not a solver with a reading of terms; write one of {', '.join(SOLVERS)}")
+    Raises `TermError` for another name, `SolverMissingError` when it is not installed or cannot be loaded.
+    """
+    if name not in SOLVERS:
+        raise TermError(f"{name!r} is not a solver with a reading of terms; write one of {', '.join(SOLVERS)}")
+    module, distribution = SOLVERS[name]
+    try:
+        return importlib.import_module(module)
+    except Exception as error:  # also a library of the wrong kind, or one that lacks another
+        raise SolverMissingError(
+            f"the solver {name} cannot be loaded ({error}); `python3 -m pip install {distribution}` installs it"
+        ) from error
 
 
 class Encoder:

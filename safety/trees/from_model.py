@@ -3,29 +3,34 @@
 A fault of rate r over t hours is there with Q = 1 - exp(-r t), r and t exactly as declared.  Faults are taken to be
 independent.  What is known beyond the enumerated orders is stated and carried into the upper bound: if sets of more
 than m faults may exist, the top event is no likelier than the enumerated part plus the chance of more than m faults at
-once, at most the sum over all (m + 1)-subsets of the product of r t (union bound).
+once, at most the sum over all (m + 1)-subsets of the product of r t (union bound).  At any time the probability so lies
+between that of the confirmed sets alone and that of confirmed and candidate sets with what lies beyond: a candidate may
+be no cut set at all, or stand for larger ones.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterable
+from dataclasses import replace
 from fractions import Fraction
 from typing import Any
 
-from safety.prove.hazards import CutSets, Hazard
+from safety.prove.hazards import CONFIRMED, CutSets, Hazard
 from safety.prove.problem import build_problem
 from safety.prove.record import cut_set_entry
 from safety.system import ModelError, nearest
 from safety.trees.from_cut_sets import from_cut_sets
+from safety.trees.solve import solve
 from safety.trees.summary import summary
 from safety.trees.tree import TAGS, BasicEvent, FaultTree, exact
 
+NARROW = 1000  # a probability is given as one number where its bounds are closer than this part of it
 CHANCE = "Q = 1 - exp(-rate x hours), faults independent"
 
 
 def tree_from_model(found: CutSets, hazard: Hazard) -> FaultTree:
-    """The fault tree whose minimal cut sets are those of the hazard; a fault without a rate has no probability.
+    """The fault tree whose minimal cut sets are those of the hazard, candidates too; no probability without a rate.
 
     Raises `ModelError` for a rate of a fault that the hazard does not have, `TreeError` for one that is no number.
     """
@@ -61,6 +66,14 @@ def tree_entry(found: CutSets, hazard: Hazard, seconds: float | None = None) -> 
     return entry | _bounds(entry, found, hazard)
 
 
+def told(found: CutSets, hazard: Hazard) -> str:
+    """How far an enumeration is, with the bounds on the probability that it gives already."""
+    number = f"order {found.complete_to} complete, {len(found.sets)} cut set{'s' * (len(found.sets) != 1)} so far"
+    entry = tree_entry(found, hazard)
+    low, high = entry["probability_low"], entry["probability_high"]
+    return number + (f", probability {low:.3g} to {high:.3g}" if low is not None and high is not None else "")
+
+
 def completeness(found: CutSets, faults: int) -> str:
     """How far the list of cut sets of a hazard with so many faults reaches."""
     if found.all_orders:
@@ -91,21 +104,35 @@ def _event(name: str, hazard: Hazard) -> BasicEvent:
 
 def _bounds(entry: dict[str, Any], found: CutSets, hazard: Hazard) -> dict[str, Any]:
     """Probability and bounds, made honest where candidates or missing orders leave something open."""
-    low, high = entry["probability_low"], entry["probability_high"]
-    if found.all_orders or low is None:
-        return {} if found.all_orders else {"probability": None, "probability_low": None, "probability_high": None}
+    if entry["probability_low"] is None:
+        return {"probability": None, "probability_high": None}
+    sure = replace(found, sets=[one for one in found.sets if one.status == CONFIRMED])
+    bounds = solve(tree_from_model(sure, hazard)).bounds if len(sure.sets) < len(found.sets) else None
+    low = bounds[0] if bounds else entry["probability_low"]
+    rest = _beyond(found, hazard)
+    high = None if rest is None else Fraction(entry["probability_high"]) + rest
+    known = high is not None and high - Fraction(low) <= high / NARROW
+    return {
+        "probability": entry["probability"] if known else None,
+        "probability_low": low,
+        "probability_high": _above(high) if rest else entry["probability_high"] if rest == 0 else None,
+        **({"beyond": float(rest)} if rest else {}),
+    }
+
+
+def _beyond(found: CutSets, hazard: Hazard) -> Fraction | None:
+    """An upper bound on what larger sets than those enumerated may add; None when there is none."""
+    if found.all_orders:
+        return Fraction(0)
     names = [fault.name for fault in build_problem(hazard.claim).faults]
     if found.complete_to < 0 or any(name not in hazard.rates for name in names):
-        return {"probability": None, "probability_high": None}
+        return None
     hours = exact(hazard.hours, f"hours of {hazard.id}")
-    expected = [exact(hazard.rates[name][0], f"rate of {name}") * hours for name in names]
-    rest = beyond(expected, found.complete_to + 1)
-    total = Fraction(high) + rest
-    return {
-        "probability": None if rest > Fraction(high) / 1000 else entry["probability"],
-        "probability_high": min(1.0, math.nextafter(float(total), 2.0)),
-        "beyond": float(rest),
-    }
+    return beyond((exact(hazard.rates[name][0], f"rate of {name}") * hours for name in names), found.complete_to + 1)
+
+
+def _above(value: Fraction | None) -> float | None:
+    return None if value is None else min(1.0, math.nextafter(float(value), 2.0))
 
 
 def _orders(counts: Any) -> str:

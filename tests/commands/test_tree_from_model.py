@@ -13,7 +13,7 @@ from safety.model import Model, point, power_up
 from safety.prove.hazards import CANDIDATE, CONFIRMED, CutSet, CutSets, Hazard, hazard, hazards
 from safety.report.standing import standing
 from safety.terms import U1, Bit, all_of
-from safety.trees.from_model import beyond, completeness, tree_entry
+from safety.trees.from_model import beyond, completeness, told, tree_entry
 
 NAMES = [f"{wire} stuck-at-1" for wire in "abc"]
 RATES = dict(zip(NAMES, ("1e-4", "2e-4", "3e-4"), strict=True))
@@ -98,6 +98,56 @@ def test_candidates_are_counted_and_marked(declare: Callable[..., Hazard]) -> No
     assert (entry["confirmed"], entry["candidate"]) == ({}, {1: 1, 2: 1})
     assert {one["status"] for one in entry["minimal_cut_sets"]["sets"]} == {CANDIDATE}
     assert entry["as_expected"]
+
+
+def test_candidates_count_above_and_not_below(declare: Callable[..., Hazard]) -> None:
+    partly = found("bc")
+    partly.sets.append(CutSet((NAMES[0],), CANDIDATE))
+    entry = tree_entry(partly, declare())
+    a, b, c = CHANCES.values()
+    assert (entry["probability"], entry["minimal_cut_sets"]["count"]) == (None, 2)
+    assert entry["probability_low"] == pytest.approx(b * c, rel=1e-14) and entry["probability_low"] <= b * c
+    above = a + (1 - a) * b * c
+    assert entry["probability_high"] == pytest.approx(above, rel=1e-14) and entry["probability_high"] >= above
+    entry = tree_entry(found("a", status=CANDIDATE), declare())
+    assert (entry["probability"], entry["probability_low"]) == (None, 0.0)
+    assert entry["probability_high"] == pytest.approx(a, rel=1e-14)
+
+
+def test_a_candidate_that_hardly_matters_leaves_the_probability_known(declare: Callable[..., Hazard]) -> None:
+    rates = {name: (rate, "[A] guess") for name, rate in zip(NAMES, ("1e-4", "1e-9", "1e-9"), strict=True)}
+    partly = found("a")
+    partly.sets.append(CutSet(tuple(NAMES[1:]), CANDIDATE))
+    entry = tree_entry(partly, declare(rates=rates))
+    assert entry["probability_low"] < entry["probability"] <= entry["probability_high"]
+
+
+def test_the_bounds_close_in_order_by_order(declare: Callable[..., Hazard]) -> None:
+    """Three wires, of which a alone, or b and c, are a cut set: enclosed at every stage, wherever b stands."""
+    a, b, c = CHANCES.values()
+    truth = a + (1 - a) * b * c
+    stages = [
+        found(complete_to=0, all_orders=False),
+        found("a", complete_to=1, all_orders=False, status=CANDIDATE),
+        found("a", complete_to=1, all_orders=False),
+        found("a", "bc", complete_to=2, all_orders=False),
+        found("a", "bc"),
+    ]
+    hazard = declare()
+    bounds = [(e["probability_low"], e["probability_high"]) for e in (tree_entry(stage, hazard) for stage in stages)]
+    assert all(low <= truth <= high for low, high in bounds)
+    widths = [high - low for low, high in bounds]
+    assert widths == sorted(widths, reverse=True) and widths[0] > 0.05 and widths[-1] < 1e-14
+    assert told(stages[1], hazard) == "order 1 complete, 1 cut set so far, probability 0 to 0.0111"
+    assert told(found(complete_to=-1, all_orders=False), hazard) == "order -1 complete, 0 cut sets so far"
+
+
+def test_a_hazard_whose_candidates_are_taken_for_sure_is_noticed(
+    declare: Callable[..., Hazard], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("safety.trees.from_model.CONFIRMED", CANDIDATE)
+    with pytest.raises(AssertionError):
+        test_candidates_count_above_and_not_below(declare)
 
 
 def test_no_cut_set_is_probability_0(declare: Callable[..., Hazard]) -> None:

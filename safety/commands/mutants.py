@@ -1,0 +1,188 @@
+"""`rightside prove --mutants`: would the chosen claims notice if a model said something else?"""
+
+from __future__ import annotations
+
+import functools
+import sys
+import time
+from argparse import Namespace
+from collections import Counter
+from collections.abc import Iterable, Sequence
+from contextlib import closing
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from safety.commands import INPUT_ERROR, INTERRUPTED, CommandError, memory
+from safety.commands.evaluate import Entry, Order, find
+from safety.commands.options import cores
+from safety.commands.output import probe, write_plain
+from safety.commands.screen import Screen
+from safety.commands.selection import Item, items, select
+from safety.commands.workers import Workers
+from safety.project import Project, open_project
+from safety.report.standing import NOTHING, UNDECIDED, WEAKER
+
+if TYPE_CHECKING:
+    from safety.prove.claims import Claim
+    from safety.prove.mutants import Fate, Subject
+
+AT_ONCE = 96  # mutants in one piece of work
+SCHEMA = "rightside/mutants/1"
+ACCOUNTED = ("counterexample", "twin", "proof", "equivalent")
+LEFT = ("slack", "undecided")
+TIMEOUT = 20.0  # seconds for one question, as usual
+
+
+def run(args: Namespace) -> int:
+    """Carry out the verb with this option; returns the exit code."""
+    if args.settings:
+        raise CommandError("--mutants takes the models as written; leave --set out")
+    if args.json:
+        probe(Path(args.json))
+    project = open_project(Path(args.project) if args.project else None)
+    project.load_proofs()
+    last = memory.last(project.root) if args.lf else {}
+    ids = [item.id for item in select(items(project, ["claims"]), args, last)]
+    work = _Work([find(project.claims, name) for name in ids], Screen(not args.no_progress))
+    if not work.models:
+        print("nothing selected: no claim that must be proved fits", file=sys.stderr)
+        return NOTHING
+    order = Order(args.timeout or TIMEOUT, traceback=args.traceback)
+    began = time.monotonic()
+    try:
+        with work.screen, Workers(project, order, args.jobs or project.config.jobs or cores()) as workers:
+            work.gather(workers)
+    except KeyboardInterrupt:
+        work.interrupted = True
+    return work.end(args.json, round(time.monotonic() - began, 3))
+
+
+def examined(project: Project, item: Item, order: Order) -> Entry:
+    """A worker's answer to one piece of work: the fate of each of its mutants."""
+    began = time.perf_counter()
+    numbers = [int(number) for number in item.expect.split()]
+    fates = _subject(tuple(item.statement.split()), order.timeout).examine(numbers)
+    found = [_entry(project.root, item.model, fate) for fate in fates]
+    return {"id": item.id, "mutants": found, "seconds": round(time.perf_counter() - began, 3)}
+
+
+@functools.lru_cache(maxsize=1)  # pieces of one model come in a row
+def _subject(ids: tuple[str, ...], timeout: float) -> Subject:
+    from safety.prove.claims import registered
+    from safety.prove.mutants import Subject
+
+    return Subject([claim for claim in registered() if claim.id in ids], timeout)
+
+
+def _entry(root: Path, model: str, fate: Fate) -> Entry:
+    mutant, place = fate.mutant, fate.mutant.place
+    file = Path(place.file) if place else None
+    if file is not None and file.is_relative_to(root):
+        file = file.relative_to(root)
+    where = {"file": file.as_posix() if file else None, "line": place.line if place else None}
+    said = {"was": mutant.was, "change": mutant.change, "verdict": fate.kind}
+    return {"model": model, "number": mutant.number, **where, **said, "claim": fate.claim or None, "how": fate.how}
+
+
+class _Work:
+    """The mutants of some models, the smallest model first, and what became of them.
+
+    A place whose mutants are all accounted for on one model is not examined again on a greater one that contains it.
+    """
+
+    def __init__(self, claims: Sequence[Claim], screen: Screen) -> None:
+        from safety.prove.claims import REFUTED
+        from safety.prove.mutants import judged, mutants_for
+
+        self.screen, self.interrupted, self.failed = screen, False, False
+        by_model: dict[type, list[Claim]] = {}
+        for claim in judged(claims):
+            by_model.setdefault(claim.model, []).append(claim)
+        told = [some for some in by_model.values() if any(claim.expect != REFUTED for claim in some)]
+        found = sorted(((mutants_for(some), some) for some in told), key=lambda pair: len(pair[0].mutants))
+        self.models = [(mutants, [claim.id for claim in some], some[0].model.__name__) for mutants, some in found]
+        self.entries: list[Entry] = []
+        self.summaries: list[Entry] = []
+
+    def gather(self, workers: Workers) -> None:
+        """Take the answers as they come."""
+        settled: set[Any] = set()
+        for mutants, ids, name in self.models:
+            new = [mutant for mutant in mutants.mutants if mutant.place not in settled]
+            self.summaries.append(
+                {"id": name, "claims": len(ids), "mutants": len(mutants.mutants), "folded_away": mutants.trivial}
+                | {"elsewhere": len(mutants.mutants) - len(new)}
+            )
+            numbers = [str(mutant.number) for mutant in new]
+            chunks = [numbers[k : k + AT_ONCE] for k in range(0, len(numbers), AT_ONCE)]
+            pieces = [
+                Item("mutants", f"{name} {chunk[0]}-{chunk[-1]}", name, statement=" ".join(ids), expect=" ".join(chunk))
+                for chunk in chunks
+            ]
+            self._gather(workers, pieces)
+            verdicts = {each["number"]: each["verdict"] for each in self.entries if each["model"] == name}
+            left = {mutant.place for mutant in new if verdicts.get(mutant.number) not in ACCOUNTED}
+            settled |= {mutant.place for mutant in new} - left
+
+    def _gather(self, workers: Workers, pieces: Sequence[Item]) -> None:
+        done = 0
+        with closing(workers.run(pieces)) as events:
+            for event in events:
+                if event.answer is not None:
+                    done += 1
+                    self._take(event.answer.item, event.answer.entry, event.answer.problem)
+                self.screen.working(done, len(pieces), workers.at_work(), {})
+
+    def _take(self, item: Item, entry: Entry | None, problem: Any) -> None:
+        if problem is not None or entry is None or "mutants" not in entry:
+            self.failed = True
+            self.screen.say(f"x {item.id}: {problem or (entry or {}).get('error') or 'no result'}", "bold red")
+            return
+        self.entries += entry["mutants"]
+        self.screen.say(f"  {item.id:<24} {_counts(entry['mutants'])}  {entry['seconds']:.1f} s")
+
+    def end(self, target: str | None, seconds: float) -> int:
+        """Show what was found, write it, and say how it ended."""
+        _notice(self.entries)
+        for summary in self.summaries:
+            own = sorted((e for e in self.entries if e["model"] == summary["id"]), key=lambda e: int(e["number"]))
+            summary["verdicts"] = dict(Counter(each["verdict"] for each in own))
+            summary["without_result"] = summary["mutants"] - summary["elsewhere"] - len(own)
+            told = [f"{summary['elsewhere']} at places accounted for elsewhere"] if summary["elsewhere"] else []
+            told += [f"{summary['without_result']} without a result"] if summary["without_result"] else []
+            counts = f"{summary['mutants']} mutants, {summary['claims']} claims"
+            self.screen.say(f"{summary['id']}: {counts}: {', '.join([_counts(own), *told])}")
+            for each in own:
+                if each["verdict"] in LEFT:
+                    self.screen.say(f"  {_line(each)}", "" if each["noticed_on"] else "yellow")
+        if target:
+            document = {"schema": SCHEMA, "interrupted": self.interrupted, "seconds": seconds}
+            write_plain(document | {"models": self.summaries, "mutants": self.entries}, target)
+        if self.interrupted or self.failed:
+            return INTERRUPTED if self.interrupted else INPUT_ERROR
+        left = {each["verdict"] for each in self.entries if each["verdict"] in LEFT and not each["noticed_on"]}
+        return UNDECIDED if "undecided" in left else WEAKER if left else 0
+
+
+def _notice(entries: Sequence[Entry]) -> None:
+    """Say of what a model's claims leave open on which other model all mutants of that place and kind are killed."""
+    alike: dict[Any, list[Entry]] = {}
+    for each in entries:
+        alike.setdefault((each["file"], each["line"], each["change"]), []).append(each)
+        each["noticed_on"] = None
+    for each in entries:
+        others = [o for o in alike[each["file"], each["line"], each["change"]] if o["model"] != each["model"]]
+        if each["file"] and each["verdict"] in LEFT and others and all(o["verdict"] in ACCOUNTED for o in others):
+            each["noticed_on"] = others[0]["model"]
+
+
+def _counts(entries: Iterable[Entry]) -> str:
+    kinds = Counter(each["verdict"] for each in entries)
+    return ", ".join(f"{count} {kind}" for kind, count in kinds.most_common()) or "none"
+
+
+def _line(each: Entry) -> str:
+    place = f"{each['file']}:{each['line']}" if each["file"] else "no place"
+    told = f" ({each['how']})" if each["how"] else ""
+    told += f"; noticed on {each['noticed_on']}" if each["noticed_on"] else ""
+    return f"{each['verdict']}  {place}  {each['was']}: {each['change']}{told}"

@@ -1,0 +1,71 @@
+"""`prove --mutants` on a small project: every mutant is in the document, what is left is shown with its line."""
+
+import json
+from pathlib import Path
+
+from safety.commands import mutants
+from tests.commands.conftest import Run, put
+
+TIGHT = '''
+    """Pulse counter, said exactly."""
+    from models.counter import Counter
+    from safety import PROVED, Bit, Seen, claim, previous, select
+
+    @claim(Counter, expect=PROVED, symbolic=["limit"])
+    def counts_exactly(s: Seen) -> Bit:
+        """It counts each pulse below 15, from 0, and the alarm is there just from the limit on."""
+        before, pulse = previous(s.n, 0), previous(s.pulse, False)
+        return (s.n == select(pulse & (before < 15), (before + 1).sat(4), before)) & (s.alarm == (s.limit <= s.n))
+
+    @claim(Counter, expect=PROVED)
+    def no_alarm_before_eight(s: Seen) -> Bit:
+        """As delivered the limit is 8."""
+        return s.alarm == (s.n >= 8)
+'''
+
+
+def document(path: Path) -> dict:
+    return json.loads(path.read_text(encoding="utf-8"))
+
+
+def test_what_no_claim_notices_is_shown_with_its_line(run: Run, project: Path) -> None:
+    called = run("prove", "--mutants", "-j", "1", "--json", "out.json")
+    assert called.code == 4, called.err  # the one claim says nothing of fewer than twelve pulses
+    found = document(project / "out.json")
+    (model,) = found["models"]
+    assert (found["schema"], found["interrupted"], model["id"]) == (mutants.SCHEMA, False, "Counter")
+    assert model["mutants"] == len(found["mutants"]) == sum(model["verdicts"].values())
+    assert model["verdicts"]["slack"] > 0
+    assert model["without_result"] == model["elsewhere"] == 0
+    slack = next(each for each in found["mutants"] if each["verdict"] == "slack")
+    text = (project / slack["file"]).read_text(encoding="utf-8").splitlines()[slack["line"] - 1]
+    assert slack["file"] == "models/counter.py"
+    assert f"slack  models/counter.py:{slack['line']}" in called.err
+    assert "self." in text or "seen" in text
+
+
+def test_claims_that_say_all_leave_nothing(run: Run, project: Path) -> None:
+    put(project, "proofs/counter.py", TIGHT)
+    called = run("prove", "--mutants", "-j", "1", "--json", "out.json")
+    found = document(project / "out.json")
+    left = [each for each in found["mutants"] if each["verdict"] in mutants.LEFT]
+    assert (called.code, left) == (0, []), called.err
+
+
+def test_settings_are_refused_and_nothing_selected_is_said(run: Run, project: Path) -> None:
+    assert run("prove", "--mutants", "--set", "limit=5").code == 2
+    called = run("prove", "--mutants", "-k", "with_a_fault")
+    assert called.code == 5
+    assert "nothing selected" in called.err
+
+
+def test_what_one_model_leaves_open_may_be_noticed_on_another() -> None:
+    def entry(model: str, verdict: str, change: str = "- for +") -> dict:
+        return {"model": model, "file": "m.py", "line": 3, "change": change, "verdict": verdict}
+
+    found = [entry("Small", "slack"), entry("Great", "twin"), entry("Small", "slack", "& for |")]
+    mutants._notice(found)
+    assert [each["noticed_on"] for each in found] == ["Great", None, None]
+    found = [entry("Small", "slack"), entry("Great", "twin"), entry("Great", "slack")]
+    mutants._notice(found)
+    assert [each["noticed_on"] for each in found] == [None, None, None]

@@ -1,0 +1,458 @@
+"""The stand-alone checker: its two translations against the direct reading, its LRAT, and bugs planted in each."""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Callable, Iterator
+from fractions import Fraction
+from typing import Any
+
+import pytest
+from hypothesis import given, settings
+
+from safety.prove import check
+from safety.prove.certificate import described
+from safety.prove.claims import BITS, INTEGERS, PROVED
+from safety.prove.induction import ask, invariance, property_obligations
+from safety.prove.lrat import NoProof, refutation
+from safety.prove.problem import Problem, build_problem
+from safety.system import ANY, ModelError, State
+from safety.terms import Term, all_of, implies, select
+from safety.terms.direct import evaluate
+from safety.terms.graph import BIT, integer, node, postorder, uint, variable, variables
+from safety.terms.values import const
+from tests.prove import chance, translated
+from tests.prove.certified import edited, follows, problem_of
+from tests.prove.naive import Machine
+from tests.terms.graphs import A8, EDGES, N4, Graph, P, edge_graphs, edge_rows, graphs
+
+OPERATIONS = sorted(EDGES)
+
+
+def widest(outputs: list[Term]) -> int:
+    """Bits of the widest number under the outputs."""
+    return max(check.sort_of(str(t.sort), "").bits for t in postorder(outputs))
+
+
+def is_finite(graph: Graph) -> bool:
+    return all(t.sort.kind != "real" for t in postorder(graph[0]))
+
+
+ONE_MORE: Any = select(~P, A8 + 1, A8.widen(9))
+EXTRA: list[Term] = [ONE_MORE, ONE_MORE - A8, select(P, A8, N4.widen(8)) - N4, (A8 + N4).low(8) - A8]
+
+
+# --- as gates --------------------------------------------------------------------------------------------------------
+
+
+def bits_of(value: Any) -> Callable[[int], bool]:
+    return lambda i: bool(int(value) >> i & 1)
+
+
+def simulated(blaster: check.Blaster, row: dict[str, Any]) -> list[bool]:
+    """The value of every gate under values of the variables."""
+    values = [False, True]
+    of: dict[str, Callable[..., bool]] = {
+        "and": lambda a, b: a and b, "xor": lambda a, b: a != b, "maj": lambda a, b, c: a + b + c > 1,
+    }  # fmt: skip
+    for kind, *args in blaster.made[2:]:
+        if kind == "var":
+            name, _, i = args
+            values.append(bits_of(row[name])(i))
+        else:
+            values.append(of[kind](*(values[a] if a > 0 else not values[-a] for a in args)))
+    return values
+
+
+def number_of(x: Any, blaster: check.Blaster, values: list[bool]) -> int:
+    """The number, or the truth, that literals stand for."""
+
+    def true(literal: int) -> bool:
+        return values[literal] if literal > 0 else not values[-literal]
+
+    if isinstance(x, int):
+        return true(x)
+    total = 0
+    for atoms, factor in x.items():
+        for bits in atoms:
+            factor *= sum(true(b) << i for i, b in enumerate(bits)) - (true(bits[-1]) << len(bits))
+        total += factor
+    return total
+
+
+def gates_agree(graph: Graph) -> bool:
+    """Whether the gates of a graph, and the bits of its numbers, have the values of the direct reading."""
+    outputs, rows = graph
+    states = [State(variable(f"out{i}", t.sort), t, None) for i, t in enumerate(outputs)]  # type: ignore[arg-type]
+    states = [State(s.var, s.next, _least(s.var)) for s in states]
+    c = check.read(
+        described(problem_of(states, variables(outputs), variable("out0", outputs[0].sort) == outputs[0]), 0)
+    )
+    blaster, made = check.Blaster(), []
+    for n in c.nodes:
+        sorts, args = [c.nodes[a].sort for a in n.args], [made[a] for a in n.args]
+        made.append(blaster.leaf(n.attr, 0, n.sort) if n.op == "var" else blaster.apply(n, sorts, *args))
+    found = [made[c.registers[f"out{i}"][0]] for i in range(len(outputs))]
+    sorts = [c.nodes[c.registers[f"out{i}"][0]].sort for i in range(len(outputs))]
+    words = [blaster.value(x, sort) if sort.whole else x for x, sort in zip(found, sorts, strict=True)]
+    for row in rows:
+        values = simulated(blaster, {v.attr: value for v, value in row.items()} | {s.path: s.power_up for s in states})
+        expected = evaluate(outputs, row)
+        if [number_of(x, blaster, values) for x in found] != expected:
+            return False
+        as_bits = [number_of({(tuple(x),): 1} if isinstance(x, list) else x, blaster, values) for x in words]
+        ranges = all(number_of(literal, blaster, values) for literal in blaster.ranges)
+        if as_bits != expected or not ranges:
+            return False
+    return True
+
+
+def _least(v: Term) -> Any:
+    return False if v.sort.kind == "bit" else v.sort.low or 0
+
+
+@pytest.mark.parametrize("operation", OPERATIONS)
+def test_gates_have_the_values_of_the_direct_reading(operation: str) -> None:
+    assert all(gates_agree(graph) for graph in edge_graphs(operation) if is_finite(graph) and widest(graph[0]) <= 70)
+
+
+def widened(graph: Graph) -> Graph:
+    """The same operations, in sorts with more values than they give: words stay words where they have to."""
+
+    def wider(t: Term) -> Term:
+        if t.sort.kind not in ("uint", "int") or t.op in ("const", "var", "point", "cast"):
+            return t
+        low, high = t.sort.bounds
+        sort = uint(t.sort.width + 1) if t.op in check.WORDS[3:] + check.WORDS[:3] else integer(low - 3, high + 9)
+        return t if t.op == "concat" else node(t.op, t.args, t.attr, sort)
+
+    return [wider(t) for t in graph[0]], graph[1]
+
+
+NARROW = ("select", "add", "sub", "mul", "slice", "clip", "div", "mod", "band", "bor", "bxor")
+
+
+@pytest.mark.parametrize("operation", NARROW)
+def test_a_sort_that_is_wider_than_needed_changes_no_value(operation: str) -> None:
+    small = [widened(graph) for graph in few(operation)]
+    plain = [
+        t for outputs, _ in few(operation) for t in outputs if t.op == operation and t.sort.kind in ("uint", "int")
+    ]
+    assert plain and not {t.uid for t in plain} & {t.uid for outputs, _ in small for t in outputs}
+    assert all(gates_agree(graph) for graph in small if is_finite(graph))
+    assert all(texts_agree(graph, arithmetic, ("z3",)) for graph in small for arithmetic in (INTEGERS, BITS))
+
+
+@settings(max_examples=20, deadline=None)
+@given(graphs(largest=8))
+def test_gates_of_random_graphs_have_the_values_of_the_direct_reading(graph: Graph) -> None:
+    assert gates_agree(([t for t in graph[0] if widest([t]) <= 140], graph[1]))
+
+
+@pytest.mark.slow
+@settings(max_examples=300, deadline=None)
+@given(graphs())
+def test_gates_of_many_random_graphs_have_the_values_of_the_direct_reading(graph: Graph) -> None:
+    assert gates_agree(graph)
+
+
+def _without_sign(x: list[int], bits: int) -> list[int]:
+    return (x + [check.FALSE] * (bits - len(x)))[:bits]
+
+
+BLAST, RIGHT = check.BLAST, check.Blaster
+GATE_BUGS: dict[str, Callable[[Any], None]] = {
+    "numbers are extended with zeros": lambda m: m.setattr(check, "sized", _without_sign),
+    "a difference lacks its carry": lambda m: m.setattr(
+        RIGHT, "sum", (lambda right: lambda g, x, y, n, sign=1: right(g, x, [sign * b for b in y], n))(RIGHT.sum)
+    ),
+    "the carry is an or": lambda m: m.setattr(RIGHT, "carry", lambda g, a, b, c: g.either(a, g.either(b, c))),
+    "a choice takes the other": lambda m: m.setattr(
+        RIGHT, "choose", lambda g, c, a, b: g.either(g.both(-c, a), g.both(c, b))
+    ),
+    "products leave out the last row": lambda m: m.setattr(
+        RIGHT, "product", (lambda right: lambda g, x, y, n: right(g, x, [*y[:-1], check.FALSE], n))(RIGHT.product)
+    ),
+    "a cut starts one bit late": lambda m: m.setattr(
+        RIGHT, "cut", (lambda right: lambda g, x, s, start, count: right(g, x, s, start + 1, count))(RIGHT.cut)
+    ),
+    "a sum forgets the constant": lambda m: m.setattr(
+        RIGHT, "bits", (lambda right: lambda g, x, n: right(g, {a: f for a, f in x.items() if a}, n))(RIGHT.bits)
+    ),
+    "not b is 1 + b": lambda m: m.setattr(
+        check, "atom", (lambda right: lambda bits: {a: abs(f) for a, f in right(bits).items()})(check.atom)
+    ),
+    "factors are not multiplied": lambda m: m.setattr(check, "times", lambda x, y: check.plus(x, y)),
+    "equality of the lowest bits": lambda m: m.setattr(
+        RIGHT, "equal", (lambda right: lambda g, x, y, n: right(g, x, y, 2))(RIGHT.equal)
+    ),
+    "less of one bit too few": lambda m: m.setattr(
+        RIGHT, "less", (lambda right: lambda g, x, y, n: right(g, x, y, n - 1))(RIGHT.less)
+    ),
+}
+
+
+def _altered(op: str) -> Callable[..., Any]:
+    def wrong(g: Any, n: Any, *given: Any) -> Any:
+        right = BLAST[op](g, n, *given)
+        return check.plus(right, {(): 1}) if n.sort.whole else -right
+
+    return wrong
+
+
+@pytest.mark.parametrize("operation", OPERATIONS)
+def test_a_wrong_gate_of_any_operation_is_found(operation: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(check, "BLAST", BLAST | {operation: _altered(operation)})
+    assert not all(gates_agree(graph) for graph in edge_graphs(operation) if is_finite(graph))
+
+
+SMALL = [g for operation in OPERATIONS for g in edge_graphs(operation) if is_finite(g) and widest(g[0]) <= 20]
+SMALL += [([term], edge_rows([term])) for term in EXTRA]
+SMALL = [(outputs, rows[:: max(1, len(rows) // 6)]) for outputs, rows in SMALL]
+
+
+def test_the_small_graphs_agree() -> None:
+    assert all(gates_agree(graph) for graph in SMALL)
+
+
+@pytest.mark.parametrize("bug", GATE_BUGS)
+def test_a_bug_planted_in_the_gates_is_found(bug: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    GATE_BUGS[bug](monkeypatch)
+    assert not all(gates_agree(graph) for graph in SMALL)
+
+
+# --- as texts --------------------------------------------------------------------------------------------------------
+
+
+def texts(graph: Graph, arithmetic: str) -> Iterator[tuple[str, str]]:
+    """Obligations in SMT-LIB that say: at these inputs that value (unsat), and: not that value there (sat)."""
+    outputs, rows = graph
+
+    def is_(t: Any, value: Any) -> Any:
+        return (t if value else ~t) if t.sort.kind == "bit" else t == const(value, t.sort)
+
+    said = []
+    for row in rows:
+        at = all_of(*(is_(v, row[v]) for v in variables(outputs)))
+        value = all_of(*(is_(t, value) for t, value in zip(outputs, evaluate(outputs, row), strict=True)))
+        said.append((at, value))
+    every = all_of(*(implies(at, value) for at, value in said))
+    for holds, answer in ((every, "unsat"), (implies(said[-1][0], ~said[-1][1]), "sat")):
+        c = check.read(described(problem_of([], variables(outputs), holds, arithmetic=arithmetic), 0))
+        yield check.smt(c, check.obligations(c)[0]), answer
+
+
+def texts_agree(graph: Graph, arithmetic: str, solvers: tuple[str, ...] = check.SOLVERS) -> bool:
+    """Whether the solvers find the values of the direct reading, and no others, in the texts."""
+    if arithmetic == BITS and not is_finite(graph):
+        return True
+    return all(check.ask(s, text, 20) == answer for text, answer in texts(graph, arithmetic) for s in solvers)
+
+
+def few(operation: str) -> Iterator[Graph]:
+    """The graphs of an operation as one, in a few lanes each."""
+    for outputs, rows in edge_graphs(operation):
+        if widest(outputs) <= 20:
+            yield outputs, rows[:: max(1, len(rows) // 3)]
+
+
+@pytest.mark.parametrize("arithmetic", [INTEGERS, BITS])
+@pytest.mark.parametrize("operation", OPERATIONS)
+def test_texts_have_the_values_of_the_direct_reading(operation: str, arithmetic: str) -> None:
+    assert all(texts_agree(graph, arithmetic) for graph in few(operation))
+
+
+@pytest.mark.parametrize(("table", "arithmetic"), [("INTEGERS", INTEGERS), ("VECTORS", BITS)])
+@pytest.mark.parametrize("operation", OPERATIONS)
+def test_a_wrong_text_of_any_operation_is_found(
+    operation: str, table: str, arithmetic: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    right = check.Text.template
+
+    def wrong(text: Any, n: Any, sorts: Any) -> str:
+        if n.op != operation:
+            return right(text, n, sorts)
+        if n.sort.kind == "bit":
+            return f"(not {right(text, n, sorts)})"
+        one, zero = text.number(Fraction(1) if n.sort.kind == "real" else 1), text.number(0)
+        return f"(ite (= {right(text, n, sorts)} {one}) {zero} {one})"
+
+    monkeypatch.setattr(check.Text, "template", wrong)
+    assert not all(texts_agree(graph, arithmetic, ("z3",)) for graph in few(operation))
+
+
+# --- obligations -----------------------------------------------------------------------------------------------------
+
+
+def drawn(seed: int) -> Problem | None:
+    """A random problem with faults, watching registers and lemmas that need not hold."""
+    rng = random.Random(seed)
+    machine = Machine(chance.equipment(rng), chance.question(rng))
+    arithmetic = rng.choice([INTEGERS, BITS])
+    model = translated.model(machine.made)
+    claim = translated.claim(machine.asked, model, expect=PROVED, steps=3, induction=1, arithmetic=arithmetic)
+    try:
+        return build_problem(claim)
+    except ModelError as error:
+        assert "names no signal" in str(error)
+        return None
+
+
+def unlike(problem: Problem, depth: int, solver: str) -> list[str]:
+    """The obligations of an induction that the checker's text or clauses judge otherwise than the toolkit."""
+    c = check.read(described(problem, depth))
+    ours = [*invariance(problem), *property_obligations(problem, depth)]
+    theirs = check.obligations(c)
+    found = [] if [one.label for one in ours] == [one.label for one in theirs] else ["other obligations"]
+    for one, other in zip(ours, theirs, strict=True):
+        expected = ask(problem, one, "z3", c.integers, 20).result
+        clauses = check.clauses(c, other)
+        assert clauses is not None
+        try:
+            check.check_lrat(clauses, refutation(clauses, 20))
+            answer = "unsat"
+        except NoProof as none:
+            answer = "sat" if none.satisfiable else str(none)
+        if answer != expected:
+            found.append(f"{one.label}: the clauses are {answer}, not {expected}")
+        if (said := check.ask(solver, check.smt(c, other), 20)) != expected:
+            found.append(f"{one.label}: the text is {said}, not {expected}")
+    return found
+
+
+def judged(seeds: range) -> tuple[int, list[str]]:
+    """How many problems were judged, and what differed."""
+    problems = [(seed, problem) for seed in seeds if (problem := drawn(seed))]
+    wrong = [f"{seed}: {text}" for seed, p in problems for text in unlike(p, seed % 3, check.SOLVERS[seed % 2])]
+    return len(problems), wrong
+
+
+def test_obligations_of_random_problems_are_judged_as_by_the_toolkit() -> None:
+    count, wrong = judged(range(8))
+    assert count > 5 and wrong == []
+
+
+@pytest.mark.slow
+def test_obligations_of_many_random_problems_are_judged_as_by_the_toolkit() -> None:
+    count, wrong = judged(range(1000, 1400))
+    assert count > 300 and wrong == []
+
+
+def _no_ranges(right: Any) -> Any:
+    def leaf(g: Any, *given: Any) -> Any:
+        value, g.ranges = right(g, *given), []
+        return value
+
+    return leaf
+
+
+def climbing(power_up: Any, start: Any, lemma: int, holds: Callable[[Any, Any], Any]) -> Problem:
+    """A register that climbs to 9 while `up`; `calm` is given."""
+    n: Any = variable("n", uint(4))
+    up: Any = variable("up", BIT)
+    calm: Any = variable("calm", BIT)
+    after = select(up & (n < 9), (n + 1).low(4), n)
+    return problem_of([State(n, after, power_up)], [up, calm], holds(n, calm), {"low": n <= lemma}, calm, start(n))
+
+
+DESIGNED = [
+    climbing(ANY, lambda n: n < 5, 9, lambda n, calm: (n <= 9) & calm),
+    climbing(0, lambda n: n == n, 5, lambda n, calm: n <= 5),
+    climbing(9, lambda n: n == n, 9, lambda n, calm: n <= 8),
+]
+
+
+def test_designed_problems_are_judged_as_by_the_toolkit() -> None:
+    assert [unlike(problem, depth, "cvc5") for problem in DESIGNED for depth in (0, 1, 2)] == [[]] * 9
+
+
+OBLIGATION_BUGS: dict[str, Callable[[Any], None]] = {
+    "the start is not assumed": lambda m: _of_obligations(
+        m, lambda o, c: o._replace(assumed=o.assumed[o.anywhere < 1 :])
+    ),
+    "nothing is assumed": lambda m: _of_obligations(m, lambda o, c: o._replace(assumed=())),
+    "every obligation starts at power-up": lambda m: _of_obligations(m, lambda o, c: o._replace(anywhere=False)),
+    "lemmas are shown before the step": lambda m: _of_obligations(
+        m, lambda o, c: o._replace(step=0) if "kept" in o.label else o
+    ),
+    "the given is forgotten": lambda m: _of_obligations(
+        m, lambda o, c: o._replace(assumed=tuple(a for a in o.assumed if a[1] != c.given))
+    ),
+    "the property is shown of itself": lambda m: _of_obligations(
+        m, lambda o, c: o._replace(assumed=(*o.assumed, (o.step, o.shown)))
+    ),
+}
+
+
+def _of_obligations(m: pytest.MonkeyPatch, change: Callable[..., Any]) -> None:
+    right = check.obligations
+    m.setattr(check, "obligations", lambda c: [change(one, c) for one in right(c)])
+
+
+@pytest.mark.parametrize("bug", OBLIGATION_BUGS)
+def test_a_bug_planted_in_the_obligations_is_found(bug: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    OBLIGATION_BUGS[bug](monkeypatch)
+    assert any(unlike(problem, 1, "z3") for problem in DESIGNED)
+
+
+def test_ranges_of_integers_are_assumed() -> None:
+    n: Any = variable("n", integer(3, 9))
+    problem = problem_of([State(n, n, 3)], [], n >= 3)
+    assert unlike(problem, 0, "z3") == [] and unlike(problem_of([State(n, n, 3)], [], n >= 4), 0, "z3") == []
+
+
+def test_forgotten_ranges_are_found(monkeypatch: pytest.MonkeyPatch) -> None:
+    n: Any = variable("n", integer(3, 9))
+    monkeypatch.setattr(check.Blaster, "leaf", _no_ranges(check.Blaster.leaf))
+    assert len(unlike(problem_of([State(n, n, 3)], [], n >= 3), 0, "z3")) == 1
+
+
+# --- proofs ----------------------------------------------------------------------------------------------------------
+
+PIGEONS = [(1, 2), (3, 4), (5, 6)] + [
+    (-a, -b) for hole in ((1, 3, 5), (2, 4, 6)) for a, b in zip(hole, hole[1:] + hole[:1], strict=True)
+]
+
+
+def accepted(clauses: Any, proof: str) -> bool:
+    try:
+        check.check_lrat(clauses, proof)
+    except check.Rejected:
+        return False
+    return True
+
+
+def test_a_proof_is_accepted_and_no_edit_that_breaks_it_is() -> None:
+    proof = refutation(PIGEONS, 20)
+    assert accepted(PIGEONS, proof) and follows(PIGEONS, proof)
+    rng = random.Random(7)
+    edits = [edited(proof, rng) for _ in range(2000)]
+    valid = [follows(PIGEONS, edit) for edit in edits]
+    assert valid.count(False) > 1000 and valid.count(True) > 10
+    assert [edit for edit, ok in zip(edits, valid, strict=True) if accepted(PIGEONS, edit) and not ok] == []
+
+
+@pytest.mark.parametrize(
+    ("proof", "clauses"),
+    [
+        ("", [(1,), (-1,)]),  # nothing derived
+        ("3 0 1 0", [(1,), (-1,)]),  # no contradiction yet
+        ("3 0 1 2", [(1,), (-1,)]),  # no end
+        ("2 0 1 2 0", [(1,), (-1,)]),  # a number that is taken
+        ("3 0 1 4 0", [(1,), (-1,)]),  # an unknown clause
+        ("3 0 3 0", [(1,), (2,)]),  # itself
+        ("3 1 0 1 0\n4 0 3 2 0", [(1, 2), (-1,)]),  # a clause that does not follow
+        ("3 d 1 0\n3 0 1 2 0", [(1,), (-1,)]),  # deletions are not needed
+        ("3 0 -1 2 0", [(1,), (-1,)]),  # no resolution on a literal
+        ("x", [(1,), (-1,)]),
+    ],
+)
+def test_what_is_no_proof_is_rejected(proof: str, clauses: Any) -> None:
+    assert not accepted(clauses, proof)
+    assert accepted([(1,), (-1,)], "3 0 1 2 0\n")
+
+
+def test_clauses_that_can_be_satisfied_have_no_proof() -> None:
+    with pytest.raises(NoProof, match="can be satisfied") as none:
+        refutation([(1, 2), (-1,)], 20)
+    assert none.value.satisfiable

@@ -1,0 +1,244 @@
+"""Mutation coverage: each fate of a mutant, on a small climber whose mutants can be judged by hand."""
+
+from __future__ import annotations
+
+import inspect
+from random import Random
+from typing import NamedTuple
+
+import pytest
+
+from safety.model import Model, point, power_up
+from safety.prove import mutation_questions
+from safety.prove.claims import REFUTED, Claim, Scenario, Seen
+from safety.prove.mutants import (
+    COUNTEREXAMPLE,
+    EQUIVALENT,
+    KINDS,
+    PROOF,
+    SLACK,
+    TWIN,
+    UNCLAIMED,
+    UNDECIDED,
+    Fate,
+    Subject,
+)
+from safety.prove.mutation import SELECTOR, mutants_of
+from safety.prove.mutation_operators import TRANSPARENT, edits
+from safety.prove.mutation_runs import confirmed, single
+from safety.prove.solve import Disagreement
+from safety.terms import U2, U3, Bit, implies, select
+from safety.terms import graph as terms_graph
+from safety.terms.direct import evaluate
+from safety.terms.graph import BIT, Term, integer, postorder, uint, variable, variables
+from safety.terms.values import bit
+from safety.tracing import trace
+from tests.prove.small import asked
+
+
+class Lamp(NamedTuple):
+    on: Bit
+
+
+class Climber(Model, event="tick"):
+    """Climbs to 5 while told to, and lights a lamp there."""
+
+    n: U3 = power_up(0)
+    lit: Bit = power_up(False)
+    aside: U2 = power_up(0)
+
+    def step(self, go: Bit) -> tuple[Climber, Lamp]:
+        n = select(go & (self.n < 5), (self.n + 1).low(3), self.n)
+        lit = point("lit now", self.lit | (self.n == 5))
+        return Climber(n=n, lit=lit, aside=(self.aside + 1).low(2)), Lamp(on=lit)
+
+
+def at_most_five(s: Seen) -> Bit:
+    """The climber stays at 5."""
+    return s.n <= 5
+
+
+def never_seven(s: Seen) -> Bit:
+    """It never reaches 7."""
+    return s.n != 7
+
+
+def never_five(s: Seen) -> Bit:
+    """It never reaches 5."""
+    return s.n != 5
+
+
+def three_or_less_is_dark(s: Seen) -> Bit:
+    """The lamp is dark as long as the climber is low."""
+    return implies(s.n <= 3, ~s.on)
+
+
+def lit_means_top(s: Seen) -> Bit:
+    """Lemma: the lamp is lit at the top only."""
+    return implies(s.lit, s.n == 5) & (s.n <= 5)
+
+
+CLIMBS = Scenario(12, {"go": True})
+TOP = asked(at_most_five, Climber, id="top", lemmas=(at_most_five,), witness=CLIMBS)
+BRITTLE = asked(never_seven, Climber, id="brittle", lemmas=(at_most_five,))
+BELOW = asked(never_five, Climber, id="below", expect=REFUTED, twin_of="top", scenario=CLIMBS)
+DARK = asked(three_or_less_is_dark, Climber, id="dark", lemmas=(lit_means_top,))
+
+
+def fates(*claims: Claim) -> dict[str, Fate]:
+    """What became of each mutant, by what it says."""
+    subject = Subject(claims)
+    found = subject.examine(range(1, len(subject.mutants.mutants) + 1))
+    return {f"{f.mutant.was}: {f.mutant.change}": f for f in found}
+
+
+@pytest.fixture(scope="module")
+def judged() -> dict[str, Fate]:
+    return fates(TOP, BELOW)
+
+
+def test_every_mutant_has_one_fate(judged: dict[str, Fate]) -> None:
+    mutants = mutants_of(Climber).mutants
+    assert [f.mutant.number for f in judged.values()] == [m.number for m in mutants] == [*range(1, len(mutants) + 1)]
+    assert {f.kind for f in judged.values()} <= set(KINDS)
+
+
+@pytest.mark.parametrize(
+    ("mutant", "kind", "claim"),
+    [
+        ("(n < 5): <= for <", COUNTEREXAMPLE, "top"),
+        ("(n < 5): 6 for 5", COUNTEREXAMPLE, "top"),
+        ("(n + 1): - for +", COUNTEREXAMPLE, "top"),
+        ("(n < 5): 4 for 5", TWIN, "below"),
+        ("(n + 1): 0 for 1", TWIN, "below"),
+        ("go: stuck at 0", TWIN, "below"),
+        ("go: stuck at 1", SLACK, ""),  # nothing says that it waits to be told
+        ("n at power-up: 1 for 0", SLACK, ""),
+        ("(aside + 1): - for +", UNCLAIMED, ""),
+    ],
+)  # fmt: skip
+def test_a_mutant_meets_its_fate(judged: dict[str, Fate], mutant: str, kind: str, claim: str) -> None:
+    fate = judged[mutant]
+    assert fate.kind == kind, fate
+    assert fate.claim == claim or not claim
+
+
+def test_a_lost_proof_is_told_from_a_broken_claim() -> None:
+    """At 6 the lemma is gone, the claim still true; beyond that the claim breaks."""
+    found = fates(BRITTLE)
+    assert found["(n < 5): <= for <"].kind == PROOF
+    assert "at most five" in found["(n < 5): <= for <"].how
+    assert found["(n < 5): stuck at 1"].kind == COUNTEREXAMPLE
+
+
+def test_equivalent_in_all_states_that_the_lemmas_leave() -> None:
+    """Above 5 there is no state: there >= says what == says; at 4 it does not."""
+    found = fates(DARK)
+    assert found["(n == 5): >= for =="].kind == EQUIVALENT
+    assert found["(lit | (n == 5)): ^ for |"].kind != EQUIVALENT
+    assert found["(n == 5): 4 for 5"].kind == PROOF
+
+
+def test_another_value_at_power_up_is_never_equivalent() -> None:
+    """Its step is that of the model: it has to be told apart by runs."""
+    found = fates(DARK)
+    assert found["lit at power-up: True for False"].kind == COUNTEREXAMPLE
+    assert {f.kind for f in found.values() if f.mutant.power_up} & {EQUIVALENT} == set()
+
+
+def test_no_slack_where_a_proof_is_missing() -> None:
+    """A claim that induction does not prove keeps nobody's mutants: they are undecided, not slack."""
+    unproved = asked(three_or_less_is_dark, Climber, id="unproved", lemmas=(at_most_five,), induction=0)
+    kinds = {f.kind for f in fates(unproved).values()}
+    assert SLACK not in kinds
+    assert UNDECIDED in kinds
+
+
+def test_the_line_of_a_mutant(judged: dict[str, Fate]) -> None:
+    lines, first = inspect.getsourcelines(Climber)
+    for what, text in (("(n < 5): 6 for 5", "self.n < 5"), ("next lit: frozen", "lit now"), ("go: stuck at 0", "go &")):
+        place = judged[what].mutant.place
+        assert place is not None
+        assert place.file == __file__
+        assert text in lines[place.line - first]
+
+
+def test_noting_ends() -> None:
+    before = terms_graph.node
+    with pytest.raises(ZeroDivisionError), terms_graph.noting(lambda term: 1 // 0):
+        variable("x", uint(3))
+    assert terms_graph.node is before
+
+
+# --- the mutants themselves ------------------------------------------------------------------------------------------
+
+
+def zoo() -> list[Term]:
+    """A term of each operation that a model can be written with."""
+    a, b, w, c = variable("a", uint(4)), variable("b", uint(4)), variable("w", uint(7)), variable("c", integer(-9, 9))
+    p, q = variable("p", BIT), variable("q", BIT)
+    whole = [
+        a + b,
+        a - b,
+        a * b,
+        a + 3,
+        c + a,
+        c - 2,
+        a & b,
+        a | b,
+        a ^ b,
+        w // 5,
+        w % 5,
+        w.slice(1, 3),
+        (a + b).sat(4),
+    ]
+    whole += [(a - b).clip(-3, 3), a.concat(b), select(p, a, b), select(q, c, 2)]
+    return [*whole, p & q, p | q, p ^ q, ~p, implies(p, q), a < b, a <= 9, a == b, w.bit(3), a.int() == c]
+
+
+def test_the_zoo_has_every_operation_that_is_changed() -> None:
+    from safety.terms.table import OPERATIONS
+
+    met = {t.op for t in postorder(zoo())}
+    assert OPERATIONS.keys() - met - TRANSPARENT == set()
+
+
+def test_a_change_keeps_the_sort_and_differs_somewhere() -> None:
+    random = Random(7)
+
+    def value(v: Term) -> int | bool:
+        return random.random() < 0.5 if v.sort == BIT else random.randint(*v.sort.bounds)
+
+    for term in zoo():
+        free = variables([term])
+        for text, edit in edits(term):
+            changed = edit(term.args)
+            assert changed.sort == term.sort, text
+            rows = [{v: value(v) for v in free} for _ in range(600)]
+            assert any(evaluate([term], row) != evaluate([changed], row) for row in rows), (term, text)
+
+
+def test_a_choice_gives_the_mutant_and_none_gives_the_model() -> None:
+    mutants = mutants_of(Climber)
+    as_written = Subject([TOP]).proved[0].as_written.system
+    assert {s.path: s.next.uid for s in as_written.states} == {s.path: s.next.uid for s in trace(Climber).states}
+    subject = Subject([TOP])
+    number = next(m.number for m in mutants.mutants if str(m).endswith("(n < 5): 6 for 5"))
+    changed = single(subject.proved[0].problem, mutants[number]).system
+    n, go = changed.state["n"].var, changed.inputs["go"]
+    assert evaluate([changed.state["n"].next], {n: 5, go: True}) == [6]
+    assert SELECTOR not in changed.state
+
+
+def test_a_replay_that_does_not_break_the_claim_is_refused() -> None:
+    case = Subject([BELOW]).refuted[0]
+    known = case.courses[0]
+    confirmed(case.as_written, known, 5)
+    with pytest.raises(Disagreement):
+        confirmed(case.as_written, known, 4)
+
+
+def test_a_solver_that_loses_the_mutants_difference_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Planted: all steps are taken for the same; then mutants that break claims count as equivalent."""
+    monkeypatch.setattr(mutation_questions, "same_step", lambda *_: bit(True))
+    assert fates(TOP)["(n < 5): <= for <"].kind == EQUIVALENT
