@@ -17,9 +17,9 @@ from fractions import Fraction
 from math import ceil, floor
 from typing import Any, NamedTuple
 
-from models.ts7.numbers import BRAKE_AREA, KMH_PER_WORD, ROLLBACK_WORD
+from models.ts7.numbers import BRAKE_AREA, KMH_PER_WORD, ROLLBACK_WORD, SPEEDS, WORD
 from models.ts7.train import PER_WORD, SCALE
-from safety import Bit, Int, Seen, age, implies, total
+from safety import Bit, Int, Seen, age, any_of, implies, previous, total
 
 Formula = Callable[[Seen], Bit]
 
@@ -83,6 +83,21 @@ def frames_for(units: int) -> int:
 def wheel_set_right(s: Seen) -> Bit:
     """The wheel switch shows the true diameter, 780 to 860 mm."""
     return (s.wheel == s.true_wheel) & (s.wheel >= SMALLEST_WHEEL) & (s.wheel <= LARGEST_WHEEL)
+
+
+def wheel_kept(s: Seen) -> Bit:
+    """The wheel setting is what it was a frame before."""
+    return s.wheel == previous(s.wheel, 0)
+
+
+def two_above(s: Seen) -> Bit:
+    """2.0 km/h or more above the speed of the signal."""
+    return any_of(*((s.word == WORD[v]) & (s.speed >= at_least_kmh(v + 2)) for v in SPEEDS))
+
+
+def two_below(s: Seen) -> Bit:
+    """2.0 km/h or more below the speed of the signal, not lowered by synchronisation."""
+    return ~s.lowered & any_of(*((s.word == WORD[v]) & (s.speed <= at_most_kmh(v - 2)) for v in SPEEDS))
 
 
 # --- lemmas: invariants of the registers ---------------------------------------------------------------------------

@@ -1,15 +1,39 @@
 """TS-7, said exactly: what the parts do in one step, so that nothing else can stand in their text unnoticed.
 
-The claims of the other files say what must not happen.  Where a change of the model leaves them all true, the claim
-that tells it apart stands here, written another way than the model.
-Source: isolation of the channel that stands alone [P], rule (a) [A].
+The claims of the other files say what must not happen.  Where a change of the model leaves them all true
+(`rightside prove --mutants`), the claim that tells it apart stands here, written another way than the model.
+Steps: a window of constant speed, a frame of 125 us, a bit time of 3.90625 us.
+Source: isolation of the channel that stands alone, lowering, AC drive [P]; rule (a), relay times, power-up [A].
 """
 
 from __future__ import annotations
 
+from models.ts7.ring import Ring
 from models.ts7.threshold import Thresholds
+from models.ts7.train import Bench
+from models.ts7.voting import CommonPart
+from proofs.ts7_brake_chain import CHANNELS, RELEASE
+from proofs.ts7_formulas import Formula, named
 from proofs.ts7_thresholds import LIMITS
-from safety import PROVED, REFUTED, Bit, Seen, all_of, claim, count, implies, previous
+from safety import (
+    PROVED,
+    REFUTED,
+    Bit,
+    Scenario,
+    Seen,
+    UInt,
+    age,
+    all_of,
+    any_of,
+    bit,
+    claim,
+    count,
+    implies,
+    once,
+    previous,
+    select,
+    word,
+)
 
 
 def in_force(s: Seen) -> list[Bit]:
@@ -53,3 +77,142 @@ def brakes_just_by_rule_a(s: Seen) -> Bit:
 def brakes_only_where_two_channels_brake(s: Seen) -> Bit:
     """NB comes just where two of three channels brake.  An isolated one counts as braking."""
     return s.nb == (count(*in_force(s)) >= 2)
+
+
+# --- relays of the common part --------------------------------------------------------------------------------------
+
+OPERATE = 240  # frames from coil to closed contact
+RELAYS = (*(f"{n}.{r}_relay" for n in CHANNELS for r in ("chr", "nbrr")), "nb_relay", "eb_relay")
+
+
+def waiting(s: Seen, relay: str) -> UInt:
+    """For how many frames before this one the coil has differed from the contact, which has not moved since."""
+    differs = s[relay].coil ^ s[relay].closed
+    return age(differs & (s[relay].contact == s[relay].closed), 1023)
+
+
+def waits(relay: str) -> Formula:
+    """Lemma: what the relay has waited is that time, and never more than it operates in."""
+
+    def lemma(s: Seen) -> Bit:
+        return (s[relay].waited == waiting(s, relay)) & (s[relay].waited <= OPERATE)
+
+    return named(f"{relay} waits", lemma)
+
+
+@claim(CommonPart, expect=PROVED, lemmas=[waits(r) for r in RELAYS], requirement="TS7-12", source="relay times [A]")
+def relays_move_just_in_time(s: Seen) -> Bit:
+    """Open at power-up, a contact moves just in the frame in which its coil has differed for 30 ms (20 ms to open)."""
+    moved = {r: s[r].contact ^ s[r].closed for r in RELAYS}
+    due = {r: waiting(s, r) >= select(s[r].coil, OPERATE, word(RELEASE, 8)) for r in RELAYS}
+    follows = all_of(*(moved[r] == ((s[r].coil ^ s[r].closed) & due[r]) for r in RELAYS))
+    return follows & all_of(*(s[r].closed == previous(s[r].contact, False) for r in RELAYS))
+
+
+@claim(CommonPart, expect=REFUTED, requirement="TS7-12", twin_of=relays_move_just_in_time,
+       scenario=Scenario(300, {"supply": True}))  # fmt: skip
+def relays_never_move(s: Seen) -> Bit:
+    """No contact ever moves."""
+    return all_of(*(s[r].contact == s[r].closed for r in RELAYS))
+
+
+@claim(CommonPart, expect=PROVED, requirement="TS7-12", source="always-energised relays [P]")
+def channel_relays_are_fed_just_so(s: Seen) -> Bit:
+    """CHR has current just with supply and no isolation, NBRR just with supply, CHR up and the channel's drive."""
+    up = {n: s[n].chr_relay.coil == (s[n].supply & ~s.sync[f"cut_{n}"]) for n in CHANNELS}
+    runs = {n: s[n].nbrr_relay.coil == all_of(s[n].supply, s[n].chr_relay.contact, s[n].drive) for n in CHANNELS}
+    return all_of(*up.values(), *runs.values(), *(s[n].supply == s.supply for n in CHANNELS))
+
+
+@claim(CommonPart, expect=REFUTED, requirement="TS7-12", twin_of=channel_relays_are_fed_just_so)
+def chr_needs_no_supply(s: Seen) -> Bit:
+    """CHR has current just without isolation, whether there is supply or not."""
+    return all_of(*(s[n].chr_relay.coil == ~s.sync[f"cut_{n}"] for n in CHANNELS))
+
+
+@claim(CommonPart, expect=PROVED, requirement="TS7-8", source="no synchronisation after an isolation [P]")
+def no_window_while_a_channel_is_out_of_service(s: Seen) -> Bit:
+    """A frame after some CHR is down there is no window of synchronisation."""
+    return implies(previous(any_of(*(s.isolated[n] for n in CHANNELS)), False), ~s.synchronising)
+
+
+@claim(CommonPart, expect=REFUTED, requirement="TS7-8", twin_of=no_window_while_a_channel_is_out_of_service,
+       scenario=Scenario(1000, {"supply": True, "a.drive": True}))  # fmt: skip
+def no_window_at_all(s: Seen) -> Bit:
+    """There is never a window of synchronisation."""
+    return ~s.synchronising
+
+
+@claim(CommonPart, expect=PROVED, requirement="TS7-8", source="no synchronisation after an isolation [P]")
+def no_verdict_beside_an_isolation(s: Seen) -> Bit:
+    """A frame in which a channel is isolated, reports its fault or is out of service brings no verdict."""
+    over = any_of(*(s.sync[f"cut_{n}"] | s[n].fault | s.isolated[n] for n in CHANNELS))
+    return implies(over, ~any_of(*(s.sync[f"isolate_{n}"] for n in CHANNELS)))
+
+
+@claim(CommonPart, expect=REFUTED, requirement="TS7-8", twin_of=no_verdict_beside_an_isolation,
+       scenario=Scenario(5000, {"supply": True, "a.drive": True}))  # fmt: skip
+def no_verdict_at_all(s: Seen) -> Bit:
+    """No window ever brings a verdict."""
+    return ~any_of(*(s.sync[f"isolate_{n}"] for n in CHANNELS))
+
+
+# --- a channel ------------------------------------------------------------------------------------------------------
+
+
+@claim(Bench, symbolic=["a.offset", "a.lowering"], expect=PROVED, requirement="TS7-8",
+       source="[P] the level is lowered; offset, lowering [A]")  # fmt: skip
+def limit_is_just_the_word(s: Seen) -> Bit:
+    """The limit is the signal's word with the channel's offset, 0 staying 0, less the lowering where it is lowered."""
+    exact, least = s.word.int() + s["a.offset"], select(s.lowered, s["a.lowering"].int(), 0)
+    own = select(s.word == 0, 0, select(exact < 0, 0, select(exact > 255, 255, exact)))
+    return s.a.limit.int() == select(own < least, 0, own - least)
+
+
+@claim(Bench, expect=REFUTED, requirement="TS7-8", twin_of=limit_is_just_the_word)
+def limit_is_always_the_word(s: Seen) -> Bit:
+    """The limit is the signal's word, lowered or not."""
+    return s.a.limit == s.word
+
+
+@claim(Bench, expect=PROVED, requirement="TS7-12", source="[P] AC drive; toggle rate [A]")
+def ac_just_while_it_may_run(s: Seen) -> Bit:
+    """The output has AC just while the channel neither brakes nor has found itself faulty."""
+    return s.drive == ~(s.brake | s.fault)
+
+
+@claim(Bench, expect=REFUTED, requirement="TS7-12", twin_of=ac_just_while_it_may_run,
+       scenario=Scenario(300, {"word": 200, "wheel": 164, "true_wheel": 164}))  # fmt: skip
+def output_never_has_ac(s: Seen) -> Bit:
+    """The output never has AC."""
+    return ~s.drive
+
+
+def at_power_up() -> Bit:
+    """The first frame."""
+    return ~once(bit(True))
+
+
+@claim(Bench, expect=PROVED, requirement="TS7-12", source="[A] it powers up braking")
+def powers_up_braking(s: Seen) -> Bit:
+    """A channel powers up braking, three pulses ahead, its output low."""
+    return implies(at_power_up(), (s.a.comparator.u == 3) & s.a.comparator.latch & ~s.a.output.level)
+
+
+@claim(Bench, expect=REFUTED, requirement="TS7-12", twin_of=powers_up_braking,
+       scenario=Scenario(300, {"word": 200, "wheel": 164, "true_wheel": 164}))  # fmt: skip
+def stays_at_power_up(s: Seen) -> Bit:
+    """A channel stays three pulses ahead."""
+    return s.a.comparator.u == 3
+
+
+@claim(Ring, expect=PROVED, requirement="TS7-1", source="[A] a frame begins at power-up")
+def ring_powers_up_without_pulses(s: Seen) -> Bit:
+    """At power-up no overflow pulse is held and the first bit of a frame comes."""
+    return implies(at_power_up(), ~any_of(s.held0, s.held1, s.held2, s.held3) & (s.place == 0))
+
+
+@claim(Ring, expect=REFUTED, requirement="TS7-1", twin_of=ring_powers_up_without_pulses)
+def ring_stays_at_the_first_bit(s: Seen) -> Bit:
+    """The first bit of a frame comes all the time."""
+    return s.place == 0

@@ -31,6 +31,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from safety.inject import Campaign
     from safety.model import Model
+    from safety.prove.bounds import BoundClaim
     from safety.prove.claims import Claim
     from safety.prove.hazards import Hazard
     from safety.rates.claims import Rate
@@ -145,6 +146,15 @@ class Project:
         from safety.prove.claims import registered
 
         return registered()
+
+    @property
+    def bounds(self) -> list[BoundClaim]:
+        """The claims of bounds over reals of all files imported so far."""
+        if "safety.prove.bounds.claims" not in sys.modules:
+            return []
+        from safety.prove.bounds.claims import declared
+
+        return declared()
 
     @property
     def hazards(self) -> list[Hazard]:

@@ -59,6 +59,7 @@ class ProofFile(pytest.File):
             raise self.CollectError(f"{problem}\nmend this file; nothing of it was worked out")
         home = module_name(self.project.root, self.path)
         homes = {("claims", c.id): c.formula.__module__ for c in self.project.claims}
+        homes |= {("claims", b.id): b.module for b in self.project.bounds}
         homes |= {("campaigns", c.id): c.module for c in self.project.campaigns}
         for item in items(self.project, ("claims", "campaigns")):
             if homes[item.section, item.id] == home:

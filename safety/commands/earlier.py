@@ -57,7 +57,7 @@ class Earlier:
         have = [item for item in chosen if self._has(project, item)]
         if self.args.changed:
             return [item for item in chosen if item not in have]
-        claims = [item.id for item in have if item.section == "claims"]
+        claims = [item.id for item in have if item.section == "claims" and not item.is_bound]
         drawn = sorted(claims, key=lambda id_: digest([seed, id_]))
         self.again = drawn[: math.ceil(share * len(claims))]
         return chosen
@@ -73,7 +73,7 @@ class Earlier:
     def _has(self, project: Project, item: Item) -> bool:
         if self.snapshot.entry(item, self.timeout):
             return True
-        if item.section != "claims":
+        if item.section != "claims" or item.is_bound:
             return False
         from safety.commands.evaluate import find, fitting_claim
         from safety.prove.prove import Limits, stated

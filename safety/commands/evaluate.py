@@ -17,12 +17,13 @@ from safety.prove.cache import Cache
 if TYPE_CHECKING:
     from safety.inject import Campaign
     from safety.model import Model
+    from safety.prove.bounds import BoundClaim
     from safety.prove.claims import Claim
     from safety.prove.hazards import Hazard
     from safety.rates.claims import Rate
 
 Entry = dict[str, Any]
-Named = TypeVar("Named", "Claim", "Campaign", "Hazard", "Rate")
+Named = TypeVar("Named", "Claim", "BoundClaim", "Campaign", "Hazard", "Rate")
 Note = Callable[[str], None]
 
 
@@ -76,7 +77,7 @@ def without_result(item: Item, error: Exception | str) -> Entry:
     }
     match item.section:
         case "claims":
-            base |= {"expect": item.expect, "verdict": "undecided", "why": text}
+            base |= {"model": item.model or None, "expect": item.expect, "verdict": "undecided", "why": text}
             said: Entry = {"disagreed_by": ["the engines"]} if code == 6 else {}
         case "campaigns":
             classes = dict.fromkeys(("safe", "detected", "dangerous_undetected", "no_effect"), 0)
@@ -114,6 +115,8 @@ def fitting_claim(claim: Claim, settings: Mapping[str, Value]) -> dict[str, Valu
 
 def models_of(project: Project, item: Item) -> list[type[Model]]:
     """The models that an item is about."""
+    if item.is_bound:
+        return []
     match item.section:
         case "claims":
             claim = find(project.claims, item.id)
@@ -139,6 +142,8 @@ def has_parameter(model: type[Model], name: str) -> bool:
 
 
 def _claim(project: Project, item: Item, order: Order, note: Note) -> Answer:
+    if item.is_bound:
+        return _bound(project, item, order)
     from safety.commands.stimulus import stimulus
     from safety.prove.prove import Limits, stated
     from safety.prove.record import claim_entry
@@ -154,6 +159,10 @@ def _claim(project: Project, item: Item, order: Order, note: Note) -> Answer:
     given = None if outcome.method.startswith(SCRIPTED) else stimulus(trace)  # a script stands in the proof file
     entry["counterexample"] |= {"stimulus": given, "vcd": None}
     return Answer(item, entry, vcd=trace.vcd() if order.vcd else "")
+
+
+def _bound(project: Project, item: Item, order: Order) -> Answer:
+    return Answer(item, find(project.bounds, item.id).evaluate(order.timeout))
 
 
 def _campaign(project: Project, item: Item, order: Order, note: Note) -> Answer:
@@ -209,7 +218,10 @@ def _problem(project: Project, item: Item, error: Exception) -> Problem:
     from pathlib import Path
 
     place, line = None, 1
-    if item.section == "claims":
+    if item.is_bound:
+        bound = find(project.bounds, item.id)
+        place, line = Path(bound.file), bound.line
+    elif item.section == "claims":
         code = find(project.claims, item.id).formula.__code__
         place, line = Path(code.co_filename), code.co_firstlineno
     found = project.problem(error, place, line)

@@ -25,11 +25,12 @@ from safety.report.standing import NOTHING, UNDECIDED, WEAKER
 if TYPE_CHECKING:
     from safety.prove.claims import Claim
     from safety.prove.mutants import Fate, Subject
+    from safety.prove.mutation import Mutant
 
 AT_ONCE = 96  # mutants in one piece of work
 SCHEMA = "rightside/mutants/1"
-ACCOUNTED = ("counterexample", "twin", "proof", "equivalent")
-LEFT = ("slack", "undecided")
+ELSEWHERE = "elsewhere"  # not examined here: another model's claims notice the same change of the same line
+LEFT = ("slack", "undecided", "unclaimed")
 TIMEOUT = 20.0  # seconds for one question, as usual
 
 
@@ -42,8 +43,8 @@ def run(args: Namespace) -> int:
     project = open_project(Path(args.project) if args.project else None)
     project.load_proofs()
     last = memory.last(project.root) if args.lf else {}
-    ids = [item.id for item in select(items(project, ["claims"]), args, last)]
-    work = _Work([find(project.claims, name) for name in ids], Screen(not args.no_progress))
+    ids = [item.id for item in select(items(project, ["claims"]), args, last) if not item.is_bound]
+    work = _Work([find(project.claims, name) for name in ids], project.root, Screen(not args.no_progress))
     if not work.models:
         print("nothing selected: no claim that must be proved fits", file=sys.stderr)
         return NOTHING
@@ -75,26 +76,31 @@ def _subject(ids: tuple[str, ...], timeout: float) -> Subject:
 
 
 def _entry(root: Path, model: str, fate: Fate) -> Entry:
-    mutant, place = fate.mutant, fate.mutant.place
+    found = {"verdict": fate.kind, "claim": fate.claim or None, "how": fate.how}
+    return _told(root, model, fate.mutant) | found
+
+
+def _told(root: Path, model: str, mutant: Mutant) -> Entry:
+    place = mutant.place
     file = Path(place.file) if place else None
     if file is not None and file.is_relative_to(root):
         file = file.relative_to(root)
     where = {"file": file.as_posix() if file else None, "line": place.line if place else None}
-    said = {"was": mutant.was, "change": mutant.change, "verdict": fate.kind}
-    return {"model": model, "number": mutant.number, **where, **said, "claim": fate.claim or None, "how": fate.how}
+    return {"model": model, "number": mutant.number, **where, "was": mutant.was, "change": mutant.change}
 
 
 class _Work:
     """The mutants of some models, the smallest model first, and what became of them.
 
-    A place whose mutants are all accounted for on one model is not examined again on a greater one that contains it.
+    A change of a line that is killed wherever it was made in one model is not made again in a greater model: whoever
+    changes the text changes both.  One that is equivalent in the smaller model may show in the greater, and is made.
     """
 
-    def __init__(self, claims: Sequence[Claim], screen: Screen) -> None:
+    def __init__(self, claims: Sequence[Claim], root: Path, screen: Screen) -> None:
         from safety.prove.claims import REFUTED
         from safety.prove.mutants import judged, mutants_for
 
-        self.screen, self.interrupted, self.failed = screen, False, False
+        self.root, self.screen, self.interrupted, self.failed = root, screen, False, False
         by_model: dict[type, list[Claim]] = {}
         for claim in judged(claims):
             by_model.setdefault(claim.model, []).append(claim)
@@ -106,23 +112,22 @@ class _Work:
 
     def gather(self, workers: Workers) -> None:
         """Take the answers as they come."""
-        settled: set[Any] = set()
         for mutants, ids, name in self.models:
-            new = [mutant for mutant in mutants.mutants if mutant.place not in settled]
+            known = killed_on(self.entries)
+            every = [_told(self.root, name, mutant) for mutant in mutants.mutants]
+            skipped = [e | _skipped(known[change_of(e)]) for e in every if change_of(e) in known]
+            numbers = [str(e["number"]) for e in every if change_of(e) not in known]
             self.summaries.append(
-                {"id": name, "claims": len(ids), "mutants": len(mutants.mutants), "folded_away": mutants.trivial}
-                | {"elsewhere": len(mutants.mutants) - len(new)}
+                {"id": name, "claims": len(ids), "mutants": len(every), "folded_away": mutants.trivial}
+                | {"elsewhere": len(skipped)}
             )
-            numbers = [str(mutant.number) for mutant in new]
+            self.entries += skipped
             chunks = [numbers[k : k + AT_ONCE] for k in range(0, len(numbers), AT_ONCE)]
             pieces = [
                 Item("mutants", f"{name} {chunk[0]}-{chunk[-1]}", name, statement=" ".join(ids), expect=" ".join(chunk))
                 for chunk in chunks
             ]
             self._gather(workers, pieces)
-            verdicts = {each["number"]: each["verdict"] for each in self.entries if each["model"] == name}
-            left = {mutant.place for mutant in new if verdicts.get(mutant.number) not in ACCOUNTED}
-            settled |= {mutant.place for mutant in new} - left
 
     def _gather(self, workers: Workers, pieces: Sequence[Item]) -> None:
         done = 0
@@ -147,9 +152,8 @@ class _Work:
         for summary in self.summaries:
             own = sorted((e for e in self.entries if e["model"] == summary["id"]), key=lambda e: int(e["number"]))
             summary["verdicts"] = dict(Counter(each["verdict"] for each in own))
-            summary["without_result"] = summary["mutants"] - summary["elsewhere"] - len(own)
-            told = [f"{summary['elsewhere']} at places accounted for elsewhere"] if summary["elsewhere"] else []
-            told += [f"{summary['without_result']} without a result"] if summary["without_result"] else []
+            summary["without_result"] = summary["mutants"] - len(own)
+            told = [f"{summary['without_result']} without a result"] if summary["without_result"] else []
             counts = f"{summary['mutants']} mutants, {summary['claims']} claims"
             self.screen.say(f"{summary['id']}: {counts}: {', '.join([_counts(own), *told])}")
             for each in own:
@@ -164,16 +168,39 @@ class _Work:
         return UNDECIDED if "undecided" in left else WEAKER if left else 0
 
 
+Change = tuple[Any, Any, Any]  # file, line, what is changed
+
+
+def change_of(entry: Entry) -> Change | None:
+    """The change of the text that a mutant stands for; none where its line is not known."""
+    return (entry["file"], entry["line"], entry["change"]) if entry["file"] else None
+
+
+def killed_on(entries: Sequence[Entry]) -> dict[Change | None, str]:
+    """For each change of a line the first model in which it is killed wherever it was made."""
+    from safety.prove.mutants import KILLED
+
+    alike: dict[tuple[Change, str], list[str]] = {}
+    for each in entries:
+        change = change_of(each)
+        if change is not None and each["verdict"] != ELSEWHERE:
+            alike.setdefault((change, each["model"]), []).append(each["verdict"])
+    found: dict[Change | None, str] = {}
+    for (change, model), verdicts in alike.items():
+        if set(verdicts) <= set(KILLED):
+            found.setdefault(change, model)
+    return found
+
+
+def _skipped(model: str) -> Entry:
+    return {"verdict": ELSEWHERE, "claim": None, "how": f"the same change of the line is killed on {model}"}
+
+
 def _notice(entries: Sequence[Entry]) -> None:
-    """Say of what a model's claims leave open on which other model all mutants of that place and kind are killed."""
-    alike: dict[Any, list[Entry]] = {}
+    """Say of what is not killed on one model on which other one the same change of the line is."""
+    known = killed_on(entries)
     for each in entries:
-        alike.setdefault((each["file"], each["line"], each["change"]), []).append(each)
-        each["noticed_on"] = None
-    for each in entries:
-        others = [o for o in alike[each["file"], each["line"], each["change"]] if o["model"] != each["model"]]
-        if each["file"] and each["verdict"] in LEFT and others and all(o["verdict"] in ACCOUNTED for o in others):
-            each["noticed_on"] = others[0]["model"]
+        each["noticed_on"] = known.get(change_of(each)) if each["verdict"] in (*LEFT, ELSEWHERE) else None
 
 
 def _counts(entries: Iterable[Entry]) -> str:

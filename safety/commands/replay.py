@@ -1,7 +1,8 @@
 """Run again on the Python reading, without any solver, what a result rests on, and show it.
 
-ID is a claim that was refuted (its run), CAMPAIGN#N or CAMPAIGN::INJECTION (one injection), HAZARD#N or HAZARD::FAULTS
-(one cut set, numbered as `rightside tree` shows them; order 0 is #0).  Results are those of the last run, or of --from.
+ID is a claim that was refuted (its run; of a bound its point), CAMPAIGN#N or CAMPAIGN::INJECTION (one injection),
+HAZARD#N or HAZARD::FAULTS (one cut set, numbered as `rightside tree` shows them; order 0 is #0).  Results are those of
+the last run, or of --from.
 Exit 0 when it comes out as it was recorded, 1 when it does not.
 """
 
@@ -16,11 +17,13 @@ from typing import Any, NamedTuple
 
 from safety.commands import CommandError, memory, options
 from safety.commands.evaluate import find, fitting, fitting_claim
-from safety.commands.output import probe
+from safety.commands.output import data, probe
 from safety.commands.runs import add_signals, chosen_signals, show_run
 from safety.commands.stimulus import rerun
+from safety.commands.table import table
 from safety.project import Project, Value, open_project
 from safety.prove import search
+from safety.prove.bounds import BoundClaim
 from safety.prove.problem import build_problem, observed
 from safety.prove.record import story
 from safety.prove.refinement import build_refinement
@@ -80,6 +83,9 @@ def run(args: Namespace) -> int:
     project.load_proofs()
     for problem in project.problems:
         print(f"x {problem}", file=sys.stderr)
+    bound = next((each for each in project.bounds if each.id == args.id), None)
+    if bound is not None:
+        return _at_point(bound, _recorded(project, args, "claims", bound.id).entry)
     found = _replayed(project, args)
     last = len(found.trace) - 1 if args.last is None else min(args.last, len(found.trace) - 1)
     paths = chosen_signals(args.show, found.trace, found.paths)
@@ -109,7 +115,8 @@ def _replayed(project: Project, args: Namespace) -> Replayed:
         return _cut_set(project, name, key, _recorded(project, args, "trees", name))
     if name in of_campaigns:
         return _injection(project, name, key, args, _recorded(project, args, "campaigns", name))
-    raise CommandError(f"no claim, campaign or hazard {name!r}; {nearest(name, of_claims | of_hazards | of_campaigns)}")
+    known = of_claims | of_hazards | of_campaigns | {bound.id for bound in project.bounds}
+    raise CommandError(f"no claim, campaign or hazard {name!r}; {nearest(name, known)}")
 
 
 def _declared(project: Project) -> list[list[Any]]:
@@ -121,6 +128,19 @@ def _recorded(project: Project, args: Namespace, section: str, name: str) -> Rec
     given = {key: options.typed(text) for key, text in results.get("settings", {}).items()}
     entry = next((each for each in results.get(section, ()) if each["id"] == name), None)
     return Recorded({**project.config.settings, **given}, entry)
+
+
+def _at_point(bound: BoundClaim, entry: Entry | None) -> int:
+    """Whether a bound is exceeded at its point, computed again with fractions; the point goes to stdout."""
+    counterexample = (entry or {}).get("counterexample")
+    if not counterexample:
+        verdict = f"is {entry['verdict']}" if entry else "has no result yet"
+        raise CommandError(f"{bound.id} {verdict}: no point to show; `rightside prove -k {bound.id}` looks for one")
+    exceeded = bound.exceeded_at(counterexample["values"])
+    data(table(["name", "value"], [[name, text] for name, text in counterexample["values"].items()]))
+    told = f"{bound.id} is {'exceeded' if exceeded else 'not exceeded'} at this point"
+    print(f"{'reproduced' if exceeded else 'NOT reproduced'}: {told}", file=sys.stderr)
+    return 0 if exceeded else 1
 
 
 def _claim(project: Project, name: str, recorded: Recorded) -> Replayed:

@@ -10,7 +10,7 @@ from typing import Any
 
 from safety.commands.selection import Item
 from safety.report.assumed import mark, rests_on_assumed
-from safety.report.numbers import number
+from safety.report.numbers import bracket_text, number
 from safety.report.schema import Entry
 from safety.report.standing import Standing, standing
 
@@ -92,6 +92,7 @@ def _claim(entry: Entry) -> list[str]:
     return [
         verdict,
         expected if verdict == entry["expect"] else "",
+        bracket_text(entry["bracket"]) if entry.get("bracket") else "",
         f"{_UP_TO[verdict]} {steps} steps" if verdict in _UP_TO and steps is not None else "",
         method,
         f"{lemmas} user lemma{'s' * (lemmas > 1)}" if lemmas and "lemma" not in method else "",

@@ -27,6 +27,11 @@ class Item:
     expect: str = ""
 
     @property
+    def is_bound(self) -> bool:
+        """Whether it is a claim of a bound over reals, which no model has."""
+        return self.section == "claims" and not self.model
+
+    @property
     def words(self) -> str:
         """What -k looks at."""
         return f"{self.id} {self.model} {self.requirement}".lower()
@@ -38,7 +43,15 @@ def items(project: Project, sections: Iterable[str]) -> list[Item]:
 
 
 def _claims(project: Project) -> list[Item]:
-    return [Item("claims", c.id, c.model.__name__, c.requirement, c.statement, c.expect) for c in project.claims]
+    """Claims about models, then those of bounds, which have no model."""
+    about = [Item("claims", c.id, c.model.__name__, c.requirement, c.statement, c.expect) for c in project.claims]
+    bounds = [Item("claims", b.id, "", b.bound.requirement, b.statement, b.expect) for b in project.bounds]
+    taken = {item.id for item in about} & {item.id for item in bounds}
+    if taken:
+        raise CommandError(
+            f"a bound and a claim about a model are both called {min(taken)!r}; give the bound another id"
+        )
+    return [*about, *bounds]
 
 
 def _campaigns(project: Project) -> list[Item]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import platform
 from importlib import metadata
 
-ENGINES = {"z3": "z3-solver", "cvc5": "cvc5", "numpy": "numpy"}
+ENGINES = {"z3": "z3-solver", "cvc5": "cvc5", "flint": "python-flint", "numpy": "numpy"}
 
 
 def version() -> str:

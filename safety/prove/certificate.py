@@ -47,12 +47,15 @@ def write_certificate(
     """Write the certificate that the problem's lemmas and an induction of a depth prove its claim.
 
     `timeout` is in seconds for the bit-level proof of each obligation.  Raises `ModelError` where the clauses of an
-    obligation are satisfiable: the lemmas are not the invariant that was claimed.
+    obligation are satisfiable (the lemmas are not what was claimed), or a name or a size is beyond the form.
     """
     began = time.perf_counter()
     text = described(problem, depth)
     text["agreed_by"] = list(agreed_by)
-    certificate = check.read(text)
+    try:
+        certificate = check.read(text)
+    except check.Malformed as error:
+        raise ModelError(f"{problem.claim.id} cannot be certified: {error}") from None
     files: dict[str, str] = {}
     missing: dict[str, str] = {}
     for i, one in enumerate(check.obligations(certificate), 1):
@@ -62,18 +65,24 @@ def write_certificate(
         if clauses is not None:
             files[f"{i}.cnf"] = check.dimacs(one.label, clauses)
             try:
-                files[f"{i}.lrat"], note = refutation(clauses, timeout), ""
+                proof, note = refutation(clauses, timeout), ""
+                check.check_lrat(clauses, proof)
+                files[f"{i}.lrat"] = proof
             except NoProof as none:
                 if none.satisfiable:
                     raise ModelError(f"{problem.claim.id}: {one.label}: not so in bits; nothing to certify") from None
                 note = f"bit level: {none}"
+            except check.Rejected as error:
+                note = f"bit level: cvc5's proof is wrong: {error}"
         missing[one.label] = note
     text["obligations"] = [[label, note] for label, note in missing.items()]
     files = {check.MAIN: _json(text)} | files
     path.parent.mkdir(parents=True, exist_ok=True)
-    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
+    unfinished = path.with_name(f"{path.name}.part")
+    with zipfile.ZipFile(unfinished, "w") as archive:
         for name, content in files.items():
             archive.writestr(zipfile.ZipInfo(name), content, zipfile.ZIP_DEFLATED)
+    unfinished.replace(path)
     digest = hashlib.sha256(path.read_bytes()).hexdigest()
     return Summary(path, digest, missing, time.perf_counter() - began)
 

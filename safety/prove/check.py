@@ -1,6 +1,6 @@
 """Check a certificate of a proof: one file that needs Python, z3 and cvc5, and nothing of rightside.
 
-    python check.py [--timeout SECONDS] FILE...      (for each solver and obligation; 60)
+    python check.py [--timeout SECONDS] FILE...
 
 Exit code: 0 checked, 1 rejected, 2 not a certificate, 3 undecided, 4 weaker, 6 the engines disagree.  A certificate is
 a zip of certificate.json, which says what is claimed, and for each obligation 1.smt2, 1.cnf and 1.lrat, which follow
@@ -20,6 +20,7 @@ multiplied row by row, divided by long division; gates are and, xor and majority
 
 from __future__ import annotations
 
+import argparse
 import hashlib
 import json
 import re
@@ -796,9 +797,12 @@ def worst(verdicts: Iterable[str]) -> int:
 
 def main(words: Sequence[str]) -> int:
     """Check files, print what was found, and return the exit code of the worst."""
-    seconds, files = (float(words[1]), words[2:]) if words[:1] == ["--timeout"] else (60.0, words)
-    reports = [examine(Path(file), seconds) for file in files]
-    print(json.dumps(reports, indent=1) if reports else __doc__)
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("files", metavar="FILE", nargs="+", type=Path)
+    parser.add_argument("--timeout", metavar="SECONDS", type=float, default=60.0, help="for each question to a solver")
+    args = parser.parse_args(words)
+    reports = [examine(file, args.timeout) for file in args.files]
+    print(json.dumps(reports, indent=1))
     return worst(report["verdict"] for report in reports)
 
 

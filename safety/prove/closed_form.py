@@ -27,8 +27,8 @@ CASES = 4  # a number that keeps its value, times a count: cases up to this coun
 class Accumulator:
     """`weights` (by uid of the register) times registers, within `low` and `high`.
 
-    A step changes it by `change` (`relation` ==), by that or more (>=), or by that or less (<=).  It stays below each of
-    `below`: a factor times a number.
+    A step changes it by `change` (`relation` ==), by that or more (>=), or by that or less (<=).  It stays less than
+    each of `below`: a factor times a number.
     """
 
     weights: Mapping[int, int]

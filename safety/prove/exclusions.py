@@ -1,4 +1,4 @@
-"""Which wires of a model are never true together, or never one without the other: guessed, and proved by induction."""
+"""Which wires of a model exclude or need one another, which words are 0 with them: guessed, and proved by induction."""
 
 from __future__ import annotations
 
@@ -8,14 +8,14 @@ from typing import cast
 
 from safety.prove.problem import Problem
 from safety.prove.solve import SAT, UNSAT, Solver, Unrolling
-from safety.terms import Bit, implies
+from safety.terms import Bit, UInt, implies
 from safety.terms.graph import BIT, REAL, postorder
 
 MOST = 40  # registers of which pairs are tried
 
 
 def exclusions(problem: Problem, timeout: float) -> tuple[Bit, ...]:
-    """Invariants of the registers of one bit, alone and in pairs, that are inductive together.
+    """Invariants of the registers of one bit, alone and in pairs, and with words of 0, that are inductive together.
 
     `timeout` in seconds is for one question; none where a question stays open.
     """
@@ -24,6 +24,8 @@ def exclusions(problem: Problem, timeout: float) -> tuple[Bit, ...]:
     guesses = [*wires, *(~w for w in wires)]
     guesses += [~(x & y) for x, y in combinations(wires, 2)]
     guesses += [implies(x, y) for x, y in permutations(wires, 2)]
+    words = [cast(UInt, s.var) for s in states if s.var.sort.kind == "uint" and s.next is not s.var][:MOST]
+    guesses += [implies(x, w == 0) for w in words for wire in wires for x in (wire, ~wire)]
     integers = any(t.sort == REAL for t in postorder([problem.given, problem.start, *problem.system.roots()]))
     return tuple(_kept(problem, _kept(problem, guesses, integers, timeout, step=0), integers, timeout, step=1))
 

@@ -26,6 +26,7 @@ from safety.terms.texts import compile_python
 from safety.terms.values import all_of, bit
 from safety.trace import Trace
 
+DEEPEST = 100_000  # steps that a simulation goes at most
 HORIZONS = (40, 400, 4000)  # of a swarm's runs; every so often all the steps that are allowed
 LAST_STEPS = 3  # that the solver takes from a near miss, and as many beyond
 LEGS = 6

@@ -10,8 +10,8 @@ sum is right, or bounds the register from one side, is for solvers to say (`safe
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from typing import Any, cast
+from collections.abc import Callable, Iterable, Mapping
+from typing import cast
 
 from safety.terms import Bit, Int
 from safety.terms.construct import build, cast_to, const
@@ -141,7 +141,7 @@ def _select(_: Reader, t: Term, c: Sum, x: Sum, y: Sum) -> Sum:
     return added(y, multiplied(c, added(x, y, -1)))
 
 
-_RULES: dict[str, Any] = {
+_RULES: dict[str, Callable[..., Sum]] = {
     "point": lambda r, t, x: x,
     "cast": lambda r, t, x: x,
     "clip": lambda r, t, x: x,

@@ -24,6 +24,15 @@ def refutation(clauses: Sequence[Clause], timeout: float) -> str:
     """The LRAT proof that the clauses are contradictory; `NoProof` if they are not, or not within `timeout` seconds."""
     import cvc5
 
+    try:
+        return _refutation(clauses, timeout)
+    except (RuntimeError, LookupError, ValueError) as error:  # another release of cvc5, with other options or steps
+        raise NoProof(f"cvc5 {cvc5.__version__} gives no proof of these clauses: {error}") from None
+
+
+def _refutation(clauses: Sequence[Clause], timeout: float) -> str:
+    import cvc5
+
     manager = cvc5.TermManager()
     solver = cvc5.Solver(manager)
     options = {"produce-proofs": "true", "proof-mode": "sat-proof", "sat-solver": "cadical", "simplification": "none"}
@@ -78,5 +87,6 @@ def _literals(term: Any, literal_of: dict[Any, int]) -> list[int]:
         return []
     if term in literal_of:
         return [literal_of[term]]
-    assert term.getKind() == cvc5.Kind.OR, f"cvc5's proof has a step {term}, which is no clause"
+    if term.getKind() != cvc5.Kind.OR:
+        raise ValueError(f"{term} is no clause")
     return [literal_of[one] for one in term]

@@ -31,6 +31,7 @@ from safety.prove.mutation_questions import (
     cone,
     equivalent,
     equivalent_for,
+    in_either_reading,
     still_proved,
     with_open_power_up,
 )
@@ -152,6 +153,13 @@ def _length(case: Case) -> int:
     return sum(len(known.rows) for known in case.courses)
 
 
+def _alike(problem: Problem, numbers: set[int], timeout: float, known: Sequence[Bit]) -> set[int]:
+    """The mutants that step alike in the states that a problem leaves."""
+    return in_either_reading(
+        lambda left, integers: equivalent_for(problem, left, integers, timeout, known), numbers, problem.system
+    )
+
+
 class _Examination:
     """What is known of some mutants so far; each step of `fates` takes those away whose fate it settles."""
 
@@ -233,9 +241,10 @@ class _Examination:
         return {number for number in self.left if self.subject.mutants[number].power_up is None}
 
     def _equivalent(self) -> None:
-        asked = self._of_the_step()
-        integers = any(case.integers for case in self.subject.proved)
-        for number in equivalent(self.subject.mutants.some(asked), asked, integers, self.subject.timeout).kept:
+        asked, timeout = self._of_the_step(), self.subject.timeout
+        some = self.subject.mutants.some(asked)
+        alike = in_either_reading(lambda left, integers: equivalent(some, left, integers, timeout), asked, some)
+        for number in alike:
             self.settle(number, EQUIVALENT, "", "the same step in every state, whatever faults act")
 
     def _prove(self, case: Case) -> None:
@@ -271,12 +280,12 @@ class _Examination:
         timeout, kept = self.subject.timeout, numbers - self.lost.keys()
         healthy = self.subject.healthy(kept)
         known = exclusions(single(healthy, None), timeout) if found else ()
-        always = equivalent_for(healthy, kept, in_integers(healthy), timeout, known).kept
+        always = _alike(healthy, kept, timeout, known)
         for case in self.subject.proved:
             asked = kept & case.sees
             if asked:
                 known = exclusions(case.as_written, timeout) if found else ()
-                kept = kept - asked | equivalent_for(case.some(asked), asked, case.integers, timeout, known).kept
+                kept = kept - asked | _alike(case.some(asked), asked, timeout, known)
                 always |= asked if case.unconditional else set()
         for number in sorted(kept & always):
             self.settle(number, EQUIVALENT, "", "the same step in every state that the claims' invariants leave")

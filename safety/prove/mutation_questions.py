@@ -7,7 +7,7 @@ behave.  Mutant 0, the model as it is, goes along as a control.
 from __future__ import annotations
 
 import time
-from collections.abc import Collection, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, cast
 
@@ -18,7 +18,7 @@ from safety.prove.problem import Problem
 from safety.prove.solve import SAT, UNKNOWN, UNSAT, Solver, Unrolling
 from safety.system import ANY, System, substitute
 from safety.terms import Bit
-from safety.terms.graph import BIT, Term, postorder, rewrite, variable
+from safety.terms.graph import BIT, REAL, Term, postorder, rewrite, variable
 from safety.terms.values import all_of, build, const
 
 AS_WRITTEN = 0
@@ -114,6 +114,24 @@ def split(system: System, one: Obligation, numbers: Collection[int], integers: b
         result.failed[cast(int, answer)] = one.label
         left.discard(cast(int, answer))
     return result
+
+
+def in_either_reading(
+    question: Callable[[set[int], bool], Split], numbers: Collection[int], system: System
+) -> set[int]:
+    """The mutants that a question keeps: asked in bit-vectors, of what that leaves open in integers.
+
+    Two steps that share nearly all are told to be the same far sooner bit by bit; reals have no bits.
+    """
+    left, kept = set(numbers), set[int]()
+    reals = any(t.sort == REAL for t in postorder(system.roots()))
+    for integers in (True,) if reals else (False, True):
+        found = question(left, integers)
+        kept |= found.kept
+        left = set(found.open)
+        if not left:
+            break
+    return kept
 
 
 def still_proved(problem: Problem, numbers: Collection[int], integers: bool, timeout: float) -> Split | None:

@@ -1,67 +1,42 @@
-"""Prove or refute one claim: induction over its lemmas, bounded search, scenarios, reachable premises."""
+"""The verdict on one claim: what is tried for it, in which order, and what counts as an answer.
+
+    induction -> response time -> a glance at short runs -> lemmas that are found -> bounded search -> simulation -> engines
+
+Cheap means come first, and what the claim expects comes before its opposite.  Nothing rests on how an answer was found:
+runs are replayed on the Python reading, lemmas and invariants proved like a user's.
+"""
 
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from typing import Any
 
 from safety.prove import search
 from safety.prove.claims import BOUNDED, PROVED, REFUTED, UNDECIDED, VACUOUS, Claim
-from safety.prove.engines.engine import in_integers, uses_reals
-from safety.prove.falsify import falsify, reach
-from safety.prove.induction import Answer, by_induction
-from safety.prove.problem import Problem, build_problem, premise_name, without_model
+from safety.prove.engines.engine import Result, in_integers, uses_reals
+from safety.prove.falsify import DEEPEST, falsify
+from safety.prove.induction import by_induction
+from safety.prove.outcome import Limits, Outcome, who_is_silent
+from safety.prove.premises import says_less, show_premises
+from safety.prove.problem import Problem, Progress, build_problem
 from safety.prove.refinement import build_refinement
-from safety.prove.solve import UNSAT, Solver
-from safety.prove.vacuity import ends_after
 from safety.system import ModelError
-from safety.terms import Bit
-from safety.terms.graph import describe
-from safety.terms.smt import Encoder
 from safety.trace import Trace
 
-DEEPEST = 100_000  # steps that directed simulation goes at most
+__all__ = ["Limits", "Outcome", "decide", "prove", "stated"]
 
-
-@dataclass
-class Limits:
-    """Seconds for one solver question, for finding lemmas and for simulation, and which solvers are asked."""
-
-    timeout: float = 60.0
-    solvers: tuple[str, ...] = ("z3", "cvc5")
-    synthesis: float = 30.0
-    simulation: float = 4.0
-
-
-@dataclass
-class Outcome:
-    """What was found out about a claim.
-
-    `problem` has the lemmas that the proof rests on; `found` names those that the tool found itself.  `steps` is the
-    length of a counterexample or the depth of a bounded verdict; `why` explains anything but success.
-    """
-
-    claim: Claim
-    verdict: str
-    problem: Problem | None = None
-    method: str = ""
-    steps: int | None = None
-    agreed_by: list[str] = field(default_factory=list)
-    counterexample: Trace | None = None
-    premise_at: int | None = None
-    candidate: dict[str, Any] = field(default_factory=dict)
-    why: str = ""
-    seconds: float = 0.0
-    questions: int = 0
-    found: tuple[str, ...] = ()
-
-    @property
-    def as_expected(self) -> bool:
-        """Whether the verdict is the one that the claim states; a bounded one has to reach as far as was asked."""
-        short = self.verdict == BOUNDED and (self.steps or 0) < self.claim.steps
-        return self.verdict == self.claim.expect and not short
+GLANCE = 1.0  # seconds for a look at short runs, or for simulation, before lemmas are looked for
+SHORTEN = 5.0  # seconds to look for a shorter run than one that was found without a search
+PROGRAMS = ("spacer", "pdr")
+PLANS = {
+    PROVED: ("induction", "response", "glance", "lemmas", "search", "simulation", "engines"),
+    REFUTED: ("search", "simulation", "induction", "response", "lemmas", "engines"),
+    BOUNDED: ("induction", "response", "glance", "lemmas", "search"),
+    UNDECIDED: ("induction", "response", "glance", "first_simulation", "lemmas", "search", "simulation"),
+    VACUOUS: ("induction", "response", "glance", "first_simulation", "lemmas", "search", "simulation"),
+}
 
 
 def prove(claim: Claim, limits: Limits | None = None, settings: dict[str, Any] | None = None) -> Outcome:
@@ -80,201 +55,188 @@ def stated(claim: Claim, settings: dict[str, Any] | None = None) -> Problem:
     return build_refinement(claim, settings) if claim.refinement is not None else build_problem(claim, settings)
 
 
-def decide(problem: Problem, limits: Limits | None = None) -> Outcome:
-    """The verdict on a problem.  Raises `Disagreement` when solvers differ."""
+def decide(problem: Problem, limits: Limits | None = None, say: Progress | None = None) -> Outcome:
+    """The verdict on a problem; `say` is told what is being tried.  Raises `Disagreement` when solvers differ."""
     began = time.perf_counter()
-    outcome = _decide(problem, limits or Limits())
+    outcome = _decide(problem, limits or Limits(), say or _quiet)
     outcome.seconds = time.perf_counter() - began
     return outcome
 
 
-def _decide(problem: Problem, limits: Limits) -> Outcome:
-    claim = problem.claim
-    outcome = Outcome(claim, UNDECIDED, problem)
-    if claim.scenario is not None:
-        broken = search.cut_at(search.scripted(problem, claim.scenario), "claim.holds", False)
-        if broken is not None:
-            return _refuted(outcome, broken, "scripted scenario, replayed")
-    if claim.expect == REFUTED:  # the search is the quicker way to what is expected
-        if not _search(problem, outcome, limits) and not _simulate(problem, outcome, limits):
-            _proof(problem, outcome, limits)
-    elif not _proof(problem, outcome, limits) and not _search(problem, outcome, limits):
-        _simulate(problem, outcome, limits)
+def _quiet(_: str) -> None:
+    pass
+
+
+def _decide(problem: Problem, limits: Limits, say: Progress) -> Outcome:
+    outcome = Outcome(problem.claim, UNDECIDED, problem)
+    attempt = _Attempt(problem, outcome, limits, say)
+    plan: list[Callable[[], bool]] = [getattr(attempt, name) for name in ("scenario", *PLANS[problem.claim.expect])]
+    any(means() for means in plan)
     if outcome.verdict in (PROVED, BOUNDED):
-        _premises(outcome.problem or problem, outcome, limits)
-    if outcome.verdict == PROVED:
-        outcome.why = "; ".join(filter(None, [outcome.why, *_says_less(problem, limits)]))
+        show_premises(outcome.problem or problem, outcome, limits)
+    if outcome.verdict in (PROVED, BOUNDED):
+        outcome.because(*says_less(problem, limits))
     return outcome
 
 
-def _says_less(problem: Problem, limits: Limits) -> Iterator[str]:
-    """In what a proved claim says less than it seems to."""
-    if _holds_of_any_model(problem, limits):
-        yield "it holds whatever the model does: it says nothing about this one"
-    last = ends_after(problem, problem.claim.steps, uses_reals(problem), limits.timeout)
-    if last is not None:
-        yield f"no run keeps what is assumed for more than {last} steps: it says nothing of later ones"
+@dataclass
+class _Attempt:
+    """The means by which a problem may be decided; each says whether it has decided it, and adds its reason if not."""
 
+    problem: Problem
+    outcome: Outcome
+    limits: Limits
+    say: Progress
+    found: search.Found | None = None
 
-def _holds_of_any_model(problem: Problem, limits: Limits) -> bool:
-    encoder = Encoder("z3", in_integers(problem))
-    claimed = encoder([without_model(problem)])[0]
-    solver = Solver("z3", encoder.k, limits.timeout)
-    solver.add(*encoder.ranges, encoder.k.Not(claimed))
-    return solver.check() == UNSAT
+    def scenario(self) -> bool:
+        """The scripted run of the claim."""
+        script = self.problem.claim.scenario
+        broken = search.cut_at(search.scripted(self.problem, script), "claim.holds", False) if script else None
+        if broken is not None:
+            self.outcome.refuted(broken, "scripted scenario, replayed")
+        return broken is not None
 
+    # --- proofs ------------------------------------------------------------------------------------------------------
 
-def _refuted(outcome: Outcome, trace: Trace, method: str) -> Outcome:
-    outcome.verdict, outcome.counterexample, outcome.method = REFUTED, trace, method
-    outcome.steps, outcome.candidate, outcome.why = len(trace), {}, ""
-    return outcome
+    def induction(self) -> bool:
+        """Induction with the claim's own lemmas."""
+        self.say("induction")
+        return self._induct(self.problem, "lemmas")
 
+    def response(self) -> bool:
+        """The closed form of a response time."""
+        from safety.prove.response import by_response
 
-def _by_induction(problem: Problem, limits: Limits) -> Answer:
-    return by_induction(problem, problem.claim.induction, in_integers(problem), limits.timeout, limits.solvers)
-
-
-def _bounded(problem: Problem, target: Bit, limits: Limits) -> search.Found:
-    return search.bounded(problem, target, problem.claim.steps, uses_reals(problem), limits.timeout)
-
-
-def _proof(problem: Problem, outcome: Outcome, limits: Limits) -> bool:
-    """Induction with the claim's own lemmas, or with lemmas that are found."""
-    return _induct(problem, outcome, limits) or (not problem.lemmas and _with_found_lemmas(problem, outcome, limits))
-
-
-def _with_found_lemmas(problem: Problem, outcome: Outcome, limits: Limits) -> bool:
-    """Find lemmas, then prove them and the property as if a user had written them: nothing rests on the finding."""
-    if limits.synthesis <= 0 or not in_integers(problem):
-        return False
-    from safety.prove.synthesis.synthesise import synthesise
-
-    found = synthesise(problem, limits.synthesis)
-    if found.depth is None:
-        outcome.why = "; ".join(filter(None, [outcome.why, found.why]))
-        return False
-    whole = replace(problem, lemmas=found.lemmas)
-    failed, outcome.why = outcome.why, ""
-    if not _induct(whole, outcome, limits):
-        outcome.why = "; ".join(filter(None, [failed, f"with lemmas that were found: {outcome.why}"]))
-        return False
-    outcome.problem, outcome.found = whole, tuple(found.lemmas)
-    outcome.method = outcome.method.replace("lemmas", "found lemmas")
-    return True
-
-
-def _induct(problem: Problem, outcome: Outcome, limits: Limits) -> bool:
-    answer = _by_induction(problem, limits)
-    outcome.questions += answer.questions
-    if not answer.proved:
-        outcome.candidate = answer.candidate
-        outcome.why = "; ".join(filter(None, [f"induction fails: {answer.failed}", outcome.why]))
-        return False
-    used = f"{len(problem.lemmas)} lemmas" if problem.lemmas else "no lemmas"
-    form = "integers" if in_integers(problem) else "bits"
-    outcome.verdict, outcome.agreed_by, outcome.steps = PROVED, answer.agreed_by, None
-    outcome.method = f"induction of depth {answer.depth}, {used}, {form}"
-    outcome.why = _who_is_silent(answer)
-    return True
-
-
-def _who_is_silent(answer: Answer) -> str:
-    """What to say of a proof that not all solvers have confirmed; nothing where two have."""
-    if len(answer.agreed_by) > 1:
-        return ""
-    told = [f"{name} left open {what}" for name, what in answer.silent.items()]
-    who = f"one solver only, {answer.agreed_by[0]}" if answer.agreed_by else "no single solver for all obligations"
-    return "; ".join([f"confirmed by {who}", *told])
-
-
-def _search(problem: Problem, outcome: Outcome, limits: Limits) -> bool:
-    """Bounded search; leaves a bounded verdict when nothing is found."""
-    found = _bounded(problem, ~problem.holds, limits)
-    if found.run is not None:
-        _refuted(outcome, found.run, "bounded search, replayed")
-        return True
-    outcome.why = "; ".join(filter(None, [outcome.why, found.why]))
-    if found.searched:
-        outcome.verdict, outcome.steps, outcome.agreed_by = BOUNDED, found.searched, ["z3"]
-        outcome.method = f"bounded search of {found.searched} steps"
-    return False
-
-
-def _simulate(problem: Problem, outcome: Outcome, limits: Limits) -> bool:
-    """Directed simulation, for what lies deeper than the search goes."""
-    found = falsify(problem, DEEPEST, limits.simulation) if limits.simulation > 0 else None
-    if found is not None:
-        _refuted(outcome, found, "directed simulation, replayed")
-    return found is not None
-
-
-def _premises(problem: Problem, outcome: Outcome, limits: Limits) -> None:
-    """Show that each premise (with the assumptions) can happen; a claim that never says anything is vacuous."""
-    met = _witnessed(problem)
-    for i, premise in enumerate(problem.premises):
-        too_late = i in met and outcome.verdict == BOUNDED and met[i] >= (outcome.steps or 0)
-        if too_late and _bounded(problem, premise, limits).run is None:
-            _too_short(outcome, met[i])
-            return
-        if i not in met:
-            found = _bounded(problem, premise, limits)
-            if found.run is None and limits.simulation > 0:
-                found.run = reach(problem, premise, DEEPEST, limits.simulation)
-            if found.run is None:
-                _unmet(problem, outcome, premise, found, limits)
-                return
-            met[i] = len(found.run) - 1
-    outcome.premise_at = max(met.values())
-
-
-def _witnessed(problem: Problem) -> dict[int, int]:
-    """The premises that the claim's witness meets, with the step at which it does."""
-    witness = problem.claim.witness
-    if witness is None:
-        return {}
-    run = search.scripted(problem, witness)
-    first = [search.first(run, premise_name(problem, i)) for i in range(len(problem.premises))]
-    met = {i: step for i, step in enumerate(first) if step is not None}
-    if not met:
-        raise ModelError(
-            f"{problem.claim.id}: its witness never reaches the premise in {witness.steps} steps; mend the witness"
-        )
-    return met
-
-
-def _too_short(outcome: Outcome, met: int) -> None:
-    """A search that ends before the premise can happen bounds nothing."""
-    outcome.why = (
-        f"{outcome.why}; the search of {outcome.steps} steps ends before the premise can happen "
-        f"(it was seen at step {met}), so it says nothing"
-    ).removeprefix("; ")
-    outcome.verdict, outcome.steps, outcome.agreed_by, outcome.method = UNDECIDED, None, [], ""
-
-
-def _unmet(problem: Problem, outcome: Outcome, premise: Bit, found: search.Found, limits: Limits) -> None:
-    text = "" if premise.is_const else f" {describe(premise)}"
-    outcome.agreed_by = []
-    if (never := _never(problem, premise, limits)) is not None:
-        outcome.verdict, outcome.agreed_by, outcome.steps = VACUOUS, never.agreed_by, None
-        contradiction = premise.is_const and premise.attr
-        outcome.why = (
-            "the assumptions contradict one another: no run starts"
-            if contradiction
-            else f"the premise{text} can never happen"
-        )
-    else:
-        outcome.verdict = UNDECIDED
-        outcome.why = (
-            f"the premise{text} was not reached within {found.searched} steps; "
-            "give the claim a witness (a scenario in which it happens)"
-        )
-        outcome.why += f"; {found.why}" if found.why else ""
-
-
-def _never(problem: Problem, premise: Bit, limits: Limits) -> Answer | None:
-    """The proof that a premise is impossible, by the same induction; without the lemmas where these do not hold."""
-    for lemmas in [problem.lemmas, {}] if problem.lemmas else [{}]:
-        answer = _by_induction(replace(problem, holds=~premise, lemmas=lemmas), limits)
+        self.say("response time")
+        found = by_response(self.problem, self.limits.timeout, self.limits.solvers)
+        if found is None:
+            return False
+        answer, method = found
+        self.outcome.questions += answer.questions
         if answer.proved:
-            return answer
-    return None
+            self.outcome.proved(method, answer.agreed_by, who_is_silent(answer))
+        else:
+            self.outcome.because(answer.failed)
+        return answer.proved
+
+    def lemmas(self) -> bool:
+        """Induction with lemmas that are found; not for a claim that has its own."""
+        if self.limits.synthesis <= 0 or self.problem.lemmas or not in_integers(self.problem):
+            return False
+        from safety.prove.synthesis.synthesise import synthesise
+
+        found = synthesise(self.problem, self.limits.synthesis, lambda text: self.say(f"lemmas: {text}"))
+        if found.depth is None:
+            self.outcome.because(found.why)
+            return False
+        whole = replace(self.problem, lemmas=found.lemmas)
+        read = replace(whole, claim=replace(self.problem.claim, arithmetic=found.arithmetic))
+        if self._induct(read, "found lemmas"):
+            self.outcome.problem, self.outcome.found = whole, tuple(found.lemmas)
+        return self.outcome.verdict == PROVED
+
+    def _induct(self, problem: Problem, kind: str) -> bool:
+        integers, limits = in_integers(problem), self.limits
+        answer = by_induction(problem, problem.claim.induction, integers, limits.timeout, limits.solvers)
+        self.outcome.questions += answer.questions
+        used = f"{len(problem.lemmas) or 'no'} {kind}"
+        if answer.proved:
+            form = "integers" if integers else "bits"
+            method = f"induction of depth {answer.depth}, {used}, {form}"
+            self.outcome.proved(method, answer.agreed_by, who_is_silent(answer))
+        else:
+            self.outcome.candidate = self.outcome.candidate or answer.candidate
+            self.outcome.because(f"induction{'' if kind == 'lemmas' else f' with {used}'} fails: {answer.failed}")
+        return answer.proved
+
+    # --- runs --------------------------------------------------------------------------------------------------------
+
+    def glance(self) -> bool:
+        """A short bounded search, before anything that takes long."""
+        self.say("short runs")
+        found = self._bounded(self.problem.claim.steps, min(GLANCE, self.limits.timeout))
+        if found.run is not None:
+            self.outcome.refuted(found.run, "bounded search, replayed")
+        elif found.complete:
+            self.found = found
+        return found.run is not None
+
+    def search(self) -> bool:
+        """Bounded search in full; leaves a bounded verdict when nothing is found."""
+        self.say("bounded search")
+        steps = self.problem.claim.steps
+        found = self.found or search.bounded(
+            self.problem, ~self.problem.holds, steps, uses_reals(self.problem), self.limits.timeout
+        )
+        if found.run is not None:
+            self.outcome.refuted(found.run, "bounded search, replayed")
+            return True
+        self.outcome.because(found.why)
+        if found.searched:
+            self.outcome.verdict, self.outcome.steps, self.outcome.agreed_by = BOUNDED, found.searched, ["z3"]
+            self.outcome.method = f"bounded search of {found.searched} steps"
+        return False
+
+    def first_simulation(self) -> bool:
+        """A short directed simulation."""
+        return self._simulate(min(GLANCE, self.limits.simulation))
+
+    def simulation(self) -> bool:
+        """Directed simulation, for what lies deeper than the search goes."""
+        return self._simulate(self.limits.simulation)
+
+    def _simulate(self, seconds: float) -> bool:
+        self.say("directed simulation")
+        run = falsify(self.problem, DEEPEST, seconds) if seconds > 0 else None
+        if run is not None:
+            self._broken_by(run, "directed simulation")
+        return run is not None
+
+    def _bounded(self, steps: int, seconds: float) -> search.Found:
+        until = time.monotonic() + seconds
+        return search.bounded(self.problem, ~self.problem.holds, steps, uses_reals(self.problem), seconds, until=until)
+
+    def _broken_by(self, run: Trace, method: str) -> None:
+        """Take a run, or the shortest and smallest one where that is soon found."""
+        shorter = self._bounded(len(run), min(SHORTEN, self.limits.timeout)).run
+        if shorter is None:
+            self.outcome.refuted(run, f"{method}, replayed")
+        else:
+            self.outcome.refuted(shorter, f"{method}, made shortest by bounded search, replayed")
+
+    # --- other engines -----------------------------------------------------------------------------------------------
+
+    def engines(self) -> bool:
+        """Engines with strategies of their own, for what is left open."""
+        if self.limits.portfolio <= 0:
+            return False
+        from safety.prove.engines.portfolio import portfolio
+
+        asked = PROGRAMS[:1] if uses_reals(self.problem) else PROGRAMS
+        self.say(" and ".join(asked))
+        plain = replace(self.problem, lemmas={})
+        try:
+            results = portfolio(plain, asked, seconds=self.limits.portfolio, progress=self.say)
+        except ModelError as error:  # no room to run one
+            self.outcome.because(str(error))
+            return False
+        answer = max((r for r in results if r.conclusive), key=lambda r: len(r.agreed_by), default=None)
+        if answer is None:
+            self.outcome.because(f"{' and '.join(asked)} do not decide it in {self.limits.portfolio:g} s")
+        elif answer.trace is not None:
+            self._broken_by(search.again(self.problem, answer.trace), answer.engine)
+        else:
+            self._take(answer)
+        return answer is not None
+
+    def _take(self, answer: Result) -> None:
+        """A proof by an engine: the solvers that confirm its invariant stand for it, or else the engine alone."""
+        if answer.invariant is None:
+            self.outcome.proved(answer.engine, [answer.engine], answer.why)
+            return
+        solvers = [name for name in answer.agreed_by if name != answer.engine]
+        method = f"induction of depth 0, {len(answer.invariant)} lemmas found by {answer.engine}"
+        self.outcome.proved(method, solvers, answer.why)
+        self.outcome.problem = replace(self.problem, lemmas=answer.invariant)
+        self.outcome.found = tuple(answer.invariant)

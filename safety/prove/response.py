@@ -24,7 +24,7 @@ from typing import cast
 from safety.prove.claims import BITS
 from safety.prove.closed_form import ClosedForm, excluded, too_few
 from safety.prove.extremes import NotFound
-from safety.prove.flows import Reader, as_int
+from safety.prove.flows import Reader, as_int, is_whole
 from safety.prove.induction import Answer, Obligation, discharge, lemma_obligations
 from safety.prove.problem import Problem
 from safety.prove.race import changes, is_latch, races, reached
@@ -65,13 +65,16 @@ def by_response(
     if not wanted or problem.claim.arithmetic == BITS:
         return None
     answer = lemma_obligations(problem, True, timeout, solvers)
-    methods: list[str] = []
+    sampled: set[int] = set()
     for response in wanted:
         if answer.proved:
-            found, method = _prove(problem, response, timeout, solvers)
+            found, events = _prove(problem, response, timeout, solvers)
             answer = found.after(answer)
-            methods.append(method)
-    return answer, "; ".join(dict.fromkeys(filter(None, methods)))
+            sampled.add(events)
+    if not answer.proved:
+        return answer, ""
+    steps = " and ".join(str(n) for n in sorted({r.steps for r in wanted}))
+    return answer, f"closed form of {steps} steps, {max(sampled)} events sampled, integers"
 
 
 def responses(problem: Problem) -> list[Response]:
@@ -85,29 +88,31 @@ def _response(problem: Problem, part: Term) -> Response | None:
         return None
     premise, conclusion = cast(tuple[Bit, Bit], part.args)
     for asked in conjuncts(premise):
-        if asked.op == "le" and (least := plain(asked.args[0])).is_const:
+        if asked.op == "le" and type((least := plain(asked.args[0])).attr) is int and least.is_const:
             for watch in problem.system.states:
-                if watch.var is plain(asked.args[1]) and watch.power_up == 0 and watch.next.op == "select":
+                counts = watch.var is plain(asked.args[1]) and is_whole(watch.var)
+                if counts and watch.power_up == 0 and watch.next.op == "select":
                     condition = cast(Bit, watch.next.args[0])
                     return Response(watch, condition, least.attr + 1, premise, conclusion)
     return None
 
 
-def _prove(problem: Problem, response: Response, timeout: float, solvers: tuple[str, ...]) -> tuple[Answer, str]:
+def _prove(problem: Problem, response: Response, timeout: float, solvers: tuple[str, ...]) -> tuple[Answer, int]:
+    """The outcome for one response time, and how many events of the clock were sampled."""
     answer, why = Answer(False), "no race decides it"
     try:
         for form, obligations in closed_forms(problem, response, timeout):
             answer = discharge(problem, obligations, True, timeout, solvers)
             if answer.proved:
-                last, method = _exclude(problem, form, timeout, solvers)
+                last, events = _exclude(problem, form, timeout, solvers)
                 answer = last.after(answer)
                 if answer.proved:
-                    return answer, method
+                    return answer, events
             why = answer.failed
     except NotFound as reason:
         why = str(reason)
     answer.proved, answer.agreed_by, answer.failed = False, [], f"response time: {why}"
-    return answer, ""
+    return answer, 0
 
 
 def closed_forms(problem: Problem, response: Response, timeout: float) -> Iterator[tuple[ClosedForm, list[Obligation]]]:
@@ -151,11 +156,11 @@ def _watching(response: Response) -> list[Obligation]:
     ]
 
 
-def _exclude(problem: Problem, form: ClosedForm, timeout: float, solvers: tuple[str, ...]) -> tuple[Answer, str]:
+def _exclude(problem: Problem, form: ClosedForm, timeout: float, solvers: tuple[str, ...]) -> tuple[Answer, int]:
     """The sum over the whole time, sampled at more and more events until it has no solution."""
     clock = form.clock()
     if clock is None:
-        return Answer(False, failed="no carry comes at a rate that is known"), ""
+        return Answer(False, failed="no carry comes at a rate that is known"), 0
     event, often = clock
     asked = 0
     for ends in (n for n in ENDS if 2 * n <= often):
@@ -170,8 +175,7 @@ def _exclude(problem: Problem, form: ClosedForm, timeout: float, solvers: tuple[
             enough = {name: too_few(form, event, 2 * ends, name, timeout) for name in solvers}
             agreed = [name for name in solvers if results[name] == enough[name] == UNSAT]
             silent = {n: "the sum over the whole time" for n in solvers if UNKNOWN in (results[n], enough[n])}
-            method = f"closed form of {form.steps + 1} steps sampled at {2 * ends} events, integers"
-            return Answer(bool(agreed), agreed, "", {}, 0, asked + len(enough), silent), method
+            return Answer(bool(agreed), agreed, "", {}, 0, asked + len(enough), silent), 2 * ends
     return Answer(
         False, failed="the sum over the whole time has solutions (states sampled, no run)", questions=asked
     ), ""

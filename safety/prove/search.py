@@ -5,7 +5,9 @@ Nothing is called a counterexample before it has been run on the Python reading 
 
 from __future__ import annotations
 
+import math
 import re
+import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
@@ -45,17 +47,26 @@ class Found:
 
 
 def bounded(
-    problem: Problem, target: Bit, steps: int, integers: bool, timeout: float, done: Callable[[int], None] | None = None
+    problem: Problem,
+    target: Bit,
+    steps: int,
+    integers: bool,
+    timeout: float,
+    done: Callable[[int], None] | None = None,
+    until: float = math.inf,
 ) -> Found:
     """Look for the shortest run whose last step satisfies `target`, up to `steps` steps; then the smallest of those.
 
     `searched` counts the steps shown free of the target; `done` is told that number as it grows.  The run does not
-    depend on the solver (reals that are no plain numbers apart).
+    depend on the solver (reals that are no plain numbers apart).  No further step is searched once the monotonic clock
+    shows `until`.
     """
     unrolling = Unrolling(problem.system, "z3", integers)
     asked = Solver("z3", unrolling.k, timeout, finite=not integers)
     asked.add(*unrolling.at(0, [problem.start]))
     for k in range(steps):
+        if time.monotonic() > until:
+            return Found(None, k, complete=False, why=f"the time was up at step {k}")
         given, hit = unrolling.at(k, [problem.given, target])
         asked.add_ranges(unrolling)
         asked.add(given)
@@ -183,6 +194,13 @@ def replay(problem: Problem, values: Mapping[tuple[str, int], Any], steps: int, 
         )
     columns = {path: column for path, column in trace.columns.items() if path != "claim.target"}
     return Trace(whole, trace.steps, columns, trace.chosen)
+
+
+def again(problem: Problem, run: Trace) -> Trace:
+    """A counterexample that was run elsewhere, run here.  Raises `Disagreement` when it breaks nothing here."""
+    values = {(path, 0): value for path, value in run.chosen.items()}
+    values |= {(path, k): run[path][k] for path in problem.system.inputs for k in range(len(run))}
+    return replay(problem, values, len(run), ~problem.holds)
 
 
 def scripted(problem: Problem, script: Scenario, keep: Sequence[str] | None = None) -> Trace:

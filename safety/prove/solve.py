@@ -70,6 +70,7 @@ class Solver:
     `finite`: the question has bits and bit-vectors only (z3 then runs its incremental SAT engine, cvc5 turns it into
     SAT at once: its ways of doing so while solving took minutes on a serial adder, or on 80 faults).
     `real`: it has reals only (z3 then runs nlsat).
+    `alone` (z3): in a context of its own, so that its models do not depend on what was asked before it.
     """
 
     name: str
@@ -77,10 +78,12 @@ class Solver:
     timeout: float
     finite: bool = False
     real: bool = False
+    alone: bool = False
 
     def __post_init__(self) -> None:
         logic = "QF_NRA" if self.real else "QF_FD" if self.name == "z3" else "QF_BV"
-        self.raw = self.k.SolverFor(logic) if self.finite or self.real else self.k.Solver()
+        own = {"ctx": self.k.Context()} if self.alone and self.name == "z3" else {}
+        self.raw = self.k.SolverFor(logic, **own) if self.finite or self.real else self.k.Solver(**own)
         milliseconds = int(self.timeout * 1000)
         if self.name == "z3":
             self.raw.set("timeout", milliseconds)
@@ -94,7 +97,11 @@ class Solver:
 
     def add(self, *formulas: Any) -> None:
         """Assert."""
-        self.raw.add(*formulas)
+        self.raw.add(*(self.translated(formula) for formula in formulas))
+
+    def translated(self, expression: Any) -> Any:
+        """An expression as this solver's context and models take it."""
+        return expression.translate(self.raw.ctx) if self.alone and self.name == "z3" else expression
 
     def add_ranges(self, unrolling: Unrolling) -> None:
         """Assert the ranges of variables made since the last call."""

@@ -91,9 +91,11 @@ def _accumulator(
     found.always += [x >= low, x <= high]
     below: list[tuple[int, int]] = []
     for (bits, n), c in change.items():
-        if bits and n in steady and c < 0 and here.holds(limit := x < as_int(reader.names[n]) * -c):
-            below.append((-c, n))
-            found.always.append(limit)
+        if bits and n is not None and n in steady and c < 0:
+            limit = x < as_int(reader.names[n]) * -c
+            if here.holds(limit):
+                below.append((-c, n))
+                found.always.append(limit)
     return Accumulator({s.var.uid: 1}, change, relation, low, high, tuple(below))
 
 

@@ -143,7 +143,7 @@ def _premise_unreached(claim: Entry) -> bool:
 
 
 def _lonely(claim: Entry) -> bool:
-    return claim["verdict"] == "proved" and _role(claim) != "cover" and not claim.get("agreed_by")
+    return claim["verdict"] == "proved" and _role(claim) != "cover" and len(claim.get("agreed_by") or ()) < 2
 
 
 def _not_as_asked(results: Results) -> Iterator[Item]:

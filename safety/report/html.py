@@ -15,7 +15,7 @@ from safety.report import results as documents
 from safety.report.assumed import MARK, assumed_mode, assumed_set, rests_on_assumed
 from safety.report.bars_svg import CLASSES, classes_bar, interval_svg
 from safety.report.gaps import gaps, parameters
-from safety.report.numbers import TAGS, clean, faults_text, number
+from safety.report.numbers import TAGS, bracket_text, clean, exact_text, faults_text, number
 from safety.report.schema import SECTIONS, Entry
 from safety.report.standing import WORDS, exit_code, judge, standing
 from safety.report.timing_svg import timing_svg
@@ -26,6 +26,7 @@ TEMPLATES = Path(__file__).parent / "templates"
 VERDICTS = ("proved", "bounded", "vacuous", "refuted", "undecided")
 CELLS = 12  # ticks in a table of changed cells
 LISTED = 40  # cut sets and events of a tree; results.json may have more
+BOUNDS = "Bounds over reals"
 MEASURES = ("fussell_vesely", "birnbaum", "criticality", "risk_achievement_worth", "risk_reduction_worth")
 SHOWN = 8  # items of a gap that stand open; the rest unfolds
 
@@ -91,6 +92,8 @@ def _environment(results: documents.Results) -> Environment:
         for entry, slug in zip(results.get(section, ()), slugs(results.get(section, ())), strict=True)
     }
     environment.filters["number"] = number
+    environment.filters["exact"] = exact_text
+    environment.filters["bracket"] = bracket_text
     environment.filters["faults"] = faults_text
     environment.globals.update(
         anchor=lambda section, entry: anchors[section, *documents.key(entry)],
@@ -121,15 +124,15 @@ def _environment(results: documents.Results) -> Environment:
 
 
 def _models(claims: list[Entry]) -> dict[str, list[Entry]]:
-    """Claims by model, each twin right below the claim that it belongs to."""
+    """Claims by model, those of bounds first, each twin right below the claim that it belongs to."""
     models: dict[str, list[Entry]] = {}
     for claim in sorted(claims, key=_beside_its_twin):
-        models.setdefault(claim["model"], []).append(claim)
+        models.setdefault(claim["model"] or BOUNDS, []).append(claim)
     return models
 
 
 def _beside_its_twin(claim: Entry) -> tuple[str, str, bool, str]:
-    return claim["model"], claim.get("twin_of") or claim["id"], bool(claim.get("twin_of")), claim["id"]
+    return claim["model"] or "", claim.get("twin_of") or claim["id"], bool(claim.get("twin_of")), claim["id"]
 
 
 def _status(tree: Entry, cut_set: Entry) -> str:

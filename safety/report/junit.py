@@ -53,7 +53,9 @@ def _story(entry: Entry) -> str:
     """What a reader of the CI page needs to go on."""
     lines = [str(entry.get("statement") or entry.get("quantity") or "")]
     trace = entry.get("counterexample")
-    if trace:
+    if trace and trace.get("values"):
+        lines += [*(f"{name} = {value}" for name, value in trace["values"].items()), trace.get("replay") or ""]
+    elif trace:
         lines += [
             f"faults: {'; '.join(trace.get('faults') or ['none'])}",
             f"violated at tick {trace['violated_at']}",

@@ -33,6 +33,19 @@ def number(value: Any, digits: int = 4) -> str:
     return f"{mantissa.rstrip('0').rstrip('.').replace('-', '−')} × 10{str(int(exponent)).translate(_SUPER)}"
 
 
+def exact_text(found: Mapping[str, Any] | None) -> str:
+    """An exact value, with the double beside it where it is no whole number: "4855/8192 = 0.592651"."""
+    if found is None:
+        return UNKNOWN
+    exact = str(found["exact"])
+    return f"{exact} = {found['value']:.6g}" if "/" in exact else exact
+
+
+def bracket_text(bracket: Mapping[str, Any]) -> str:
+    """The ends of a bracket: the largest value that is reached, the smallest proved not to be exceeded."""
+    return f"[{exact_text(bracket['low'])}, {exact_text(bracket['high'])}] {bracket.get('unit', '')}".rstrip()
+
+
 def faults_text(faults: str | Mapping[str, Any] | None) -> str:
     """A fault budget in words: "at most 1 of 12"."""
     if faults is None or isinstance(faults, str):

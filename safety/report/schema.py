@@ -34,8 +34,26 @@ class Signal(TypedDict, total=False):
     changes: list[list[bool | int | float | str | None]]  # instead of values: [tick, value] at tick 0 and each change
 
 
+class Exact(TypedDict, total=False):
+    """A number as the nearest double and as it is: "p/q"."""
+
+    value: Required[Number]
+    exact: Required[str]
+    unit: str
+
+
+class Bracket(TypedDict, total=False):
+    """The least upper bound of a quantity: `low` is reached at the witness, `high` is proved not to be exceeded."""
+
+    low: Required[Exact | None]
+    high: Required[Exact | None]
+    unit: str
+    relative_width: Number
+    witness: dict[str, str] | None  # exact values; a root is "[low, high]"
+
+
 class Counterexample(TypedDict, total=False):
-    """A trace on which a claim is false."""
+    """A trace on which a claim is false; for a bound over reals one step, with its point in `values`."""
 
     steps: Required[int]
     tick_s: Seconds | None  # None: the clock is an event
@@ -47,6 +65,8 @@ class Counterexample(TypedDict, total=False):
     signals: Required[list[Signal]]
     replay: str  # the command that shows it again
     vcd: str | None  # relative to the report folder
+    values: dict[str, str]  # the point at which a bound is exceeded: exact; a root is "[low, high]"
+    value: Exact  # of the quantity there
 
 
 class Strength(TypedDict, total=False):
@@ -84,7 +104,7 @@ class Claim(TypedDict, total=False):
     """A sentence about a model, the verdict its author expects and the one it got."""
 
     id: Required[str]
-    model: Required[str]
+    model: Required[str | None]  # None: a bound over reals
     statement: str
     role: Literal["claim", "twin", "defeat", "lemma", "refinement", "cover"]
     twin_of: str | None
@@ -98,7 +118,9 @@ class Claim(TypedDict, total=False):
     faults: str | Budget | None
     method: str | None
     user_lemmas: int | list[str] | None
-    certificate: str | dict[str, Any] | None
+    certificate: str | dict[str, Any] | None  # of kind "real": the routes that agree, without a proof bit by bit
+    limit: Exact  # of a bound
+    bracket: Bracket
     agreed_by: list[str] | None
     disagreed_by: list[str] | None  # engines with another verdict
     tags: list[Tag]

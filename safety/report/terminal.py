@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Iterator, Mapping
 from typing import Any, NamedTuple, TextIO
 
-from safety.report.numbers import clean
+from safety.report.numbers import clean, exact_text
 from safety.report.schema import JUDGED, Entry
 from safety.report.standing import WORDS, WORST_FIRST, exit_code, judge
 from safety.report.trace import Trace
@@ -63,8 +63,14 @@ def _unexpected(results: Mapping[str, Any]) -> Iterator[Line]:
 
 
 def changed_cells(claim: Entry) -> Iterator[Line]:
-    """The counterexample as a table: a star at each changed cell, the violated tick named in the head."""
+    """The counterexample as a table: a star at each changed cell, the violated tick named in the head.
+
+    Of a bound it is the point, a value a line.
+    """
     counterexample = claim["counterexample"]
+    if counterexample.get("values"):
+        yield from _point(claim)
+        return
     trace = Trace(counterexample)
     table = trace.table(CELLS)
     yield Line(_fit(f"    faults  {'; '.join(counterexample.get('faults') or ['none'])}"))
@@ -87,6 +93,20 @@ def changed_cells(claim: Entry) -> Iterator[Line]:
             _fit(f"    * changed   ! violates {claim['id']}" + "".join(f"   ({note} not shown)" for note in notes)),
             "red",
         )
+    if counterexample.get("replay"):
+        yield Line(_fit(f"    next    {counterexample['replay']}"))
+
+
+def _point(claim: Entry) -> Iterator[Line]:
+    """The point at which a bound is exceeded; exact values in full, whatever their length."""
+    counterexample = claim["counterexample"]
+    values = counterexample["values"]
+    label = max(map(len, ["exceeded", *values]))
+    for name, text in values.items():
+        yield Line(f"    {_flat(name):<{label}}  {_flat(text)}")
+    if counterexample.get("value"):
+        value, limit = exact_text(counterexample["value"]), exact_text(claim.get("limit"))
+        yield Line(_flat(f"    {'exceeded':<{label}}  {value}, limit {limit}"), "red")
     if counterexample.get("replay"):
         yield Line(_fit(f"    next    {counterexample['replay']}"))
 

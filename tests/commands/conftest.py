@@ -11,6 +11,7 @@ from typing import Any
 import pytest
 
 import safety.inject.campaign
+import safety.prove.bounds.claims
 import safety.prove.claims
 import safety.prove.hazards
 import safety.rates.claims
@@ -102,6 +103,8 @@ FILES = {
     "proofs/counter_rate.py": RATE,
 }
 
+REGISTRIES = (safety.prove.claims, safety.prove.bounds.claims, safety.prove.hazards, safety.inject.campaign)
+
 
 @dataclass
 class Called:
@@ -144,7 +147,7 @@ def ours() -> dict[str, Any]:
 def apart(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     """Models and proofs of this process's other tests stay as they are."""
     before, path = ours(), list(sys.path)
-    for home in (safety.prove.claims, safety.prove.hazards, safety.inject.campaign):
+    for home in REGISTRIES:
         monkeypatch.setattr(home, "_registry", {})
     monkeypatch.setattr(safety.rates.claims, "_declared", {})
     monkeypatch.setattr(safety.rates.claims, "_places", {})
@@ -163,7 +166,7 @@ def run(project: Path, apart: None, monkeypatch: pytest.MonkeyPatch, capfd: pyte
     def call(*words: str) -> Called:
         for name in ours():
             del sys.modules[name]
-        for registry in (safety.prove.claims, safety.prove.hazards, safety.inject.campaign):
+        for registry in REGISTRIES:
             registry._registry.clear()
         safety.rates.claims._declared.clear()
         safety.rates.claims._places.clear()

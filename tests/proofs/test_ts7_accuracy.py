@@ -10,6 +10,8 @@ from models.ts7 import numbers
 from proofs.ts7_accuracy import HALF_STEP_MM, STEP_MM, error_of_limit
 from safety import PROVED, REFUTED
 from safety.prove.bounds import bracket, check
+from safety.prove.bounds.claims import declared
+from safety.report.standing import standing
 
 
 @pytest.mark.parametrize("signal", numbers.SPEEDS)
@@ -39,3 +41,12 @@ def test_a_switch_two_steps_off_is_out_of_the_published_accuracy() -> None:
     for steps, verdict in ((1, PROVED), (2, REFUTED)):
         assert check(error_of_limit(90, off_mm=steps * STEP_MM), numbers.ACCURACY).verdict == verdict
     assert check(error_of_limit(90, HALF_STEP_MM), Fraction("0.59")).verdict == REFUTED
+
+
+def test_each_proved_bound_has_a_twin_that_fails_and_all_are_as_asked() -> None:
+    claims = [claim for claim in declared() if claim.module == "proofs.ts7_accuracy"]
+    limited = [claim for claim in claims if claim.limit is not None]
+    proved = {claim.id for claim in limited if claim.expect == PROVED}
+    assert len(proved) == 6 and proved == {claim.twin_of for claim in limited if claim.expect == REFUTED}
+    assert [standing("claims", claim.evaluate(20.0)).code for claim in claims] == [0] * 13
+    assert {claim.bound.requirement for claim in claims} == {"TS7-3", "TS7-16"}

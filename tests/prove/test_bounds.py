@@ -167,7 +167,11 @@ def test_a_point_that_does_not_replay_is_reported(monkeypatch: pytest.MonkeyPatc
 def test_results_are_plain() -> None:
     area = bound(x * y, between(0, x, 1), between(0, y, 1))
     proved, refuted = check(area, 1).to_json(), check(area, F(1, 3)).to_json(expect=REFUTED)
-    assert (proved["verdict"], proved["agreed_by"], proved["certificate"]) == (PROVED, [NLSAT, BOXES], {"kind": "real"})
+    assert (proved["verdict"], proved["agreed_by"], proved["certificate"]) == (
+        PROVED,
+        [NLSAT, BOXES],
+        {"kind": "real", "routes": [NLSAT, BOXES]},
+    )
     assert refuted["as_expected"] and refuted["counterexample"]["replayed"] and refuted["limit"]["exact"] == "1/3"
     whole = bracket(area).to_json()
     assert whole["bracket"]["high"]["exact"] == "1" and whole["bracket"]["relative_width"] == 0

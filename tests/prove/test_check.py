@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import random
 from collections.abc import Callable, Iterator
 from fractions import Fraction
 from typing import Any
@@ -12,18 +11,13 @@ from hypothesis import given, settings
 
 from safety.prove import check
 from safety.prove.certificate import described
-from safety.prove.claims import BITS, INTEGERS, PROVED
-from safety.prove.induction import ask, invariance, property_obligations
-from safety.prove.lrat import NoProof, refutation
-from safety.prove.problem import Problem, build_problem
-from safety.system import ANY, ModelError, State
+from safety.prove.claims import BITS, INTEGERS
+from safety.system import State
 from safety.terms import Term, all_of, implies, select
 from safety.terms.direct import evaluate
-from safety.terms.graph import BIT, integer, node, postorder, uint, variable, variables
+from safety.terms.graph import integer, node, postorder, uint, variable, variables
 from safety.terms.values import const
-from tests.prove import chance, translated
-from tests.prove.certified import edited, follows, problem_of
-from tests.prove.naive import Machine
+from tests.prove.certified import problem_of
 from tests.terms.graphs import A8, EDGES, N4, Graph, P, edge_graphs, edge_rows, graphs
 
 OPERATIONS = sorted(EDGES)
@@ -279,180 +273,3 @@ def test_a_wrong_text_of_any_operation_is_found(
 
     monkeypatch.setattr(check.Text, "template", wrong)
     assert not all(texts_agree(graph, arithmetic, ("z3",)) for graph in few(operation))
-
-
-# --- obligations -----------------------------------------------------------------------------------------------------
-
-
-def drawn(seed: int) -> Problem | None:
-    """A random problem with faults, watching registers and lemmas that need not hold."""
-    rng = random.Random(seed)
-    machine = Machine(chance.equipment(rng), chance.question(rng))
-    arithmetic = rng.choice([INTEGERS, BITS])
-    model = translated.model(machine.made)
-    claim = translated.claim(machine.asked, model, expect=PROVED, steps=3, induction=1, arithmetic=arithmetic)
-    try:
-        return build_problem(claim)
-    except ModelError as error:
-        assert "names no signal" in str(error)
-        return None
-
-
-def unlike(problem: Problem, depth: int, solver: str) -> list[str]:
-    """The obligations of an induction that the checker's text or clauses judge otherwise than the toolkit."""
-    c = check.read(described(problem, depth))
-    ours = [*invariance(problem), *property_obligations(problem, depth)]
-    theirs = check.obligations(c)
-    found = [] if [one.label for one in ours] == [one.label for one in theirs] else ["other obligations"]
-    for one, other in zip(ours, theirs, strict=True):
-        expected = ask(problem, one, "z3", c.integers, 20).result
-        clauses = check.clauses(c, other)
-        assert clauses is not None
-        try:
-            check.check_lrat(clauses, refutation(clauses, 20))
-            answer = "unsat"
-        except NoProof as none:
-            answer = "sat" if none.satisfiable else str(none)
-        if answer != expected:
-            found.append(f"{one.label}: the clauses are {answer}, not {expected}")
-        if (said := check.ask(solver, check.smt(c, other), 20)) != expected:
-            found.append(f"{one.label}: the text is {said}, not {expected}")
-    return found
-
-
-def judged(seeds: range) -> tuple[int, list[str]]:
-    """How many problems were judged, and what differed."""
-    problems = [(seed, problem) for seed in seeds if (problem := drawn(seed))]
-    wrong = [f"{seed}: {text}" for seed, p in problems for text in unlike(p, seed % 3, check.SOLVERS[seed % 2])]
-    return len(problems), wrong
-
-
-def test_obligations_of_random_problems_are_judged_as_by_the_toolkit() -> None:
-    count, wrong = judged(range(8))
-    assert count > 5 and wrong == []
-
-
-@pytest.mark.slow
-def test_obligations_of_many_random_problems_are_judged_as_by_the_toolkit() -> None:
-    count, wrong = judged(range(1000, 1400))
-    assert count > 300 and wrong == []
-
-
-def _no_ranges(right: Any) -> Any:
-    def leaf(g: Any, *given: Any) -> Any:
-        value, g.ranges = right(g, *given), []
-        return value
-
-    return leaf
-
-
-def climbing(power_up: Any, start: Any, lemma: int, holds: Callable[[Any, Any], Any]) -> Problem:
-    """A register that climbs to 9 while `up`; `calm` is given."""
-    n: Any = variable("n", uint(4))
-    up: Any = variable("up", BIT)
-    calm: Any = variable("calm", BIT)
-    after = select(up & (n < 9), (n + 1).low(4), n)
-    return problem_of([State(n, after, power_up)], [up, calm], holds(n, calm), {"low": n <= lemma}, calm, start(n))
-
-
-DESIGNED = [
-    climbing(ANY, lambda n: n < 5, 9, lambda n, calm: (n <= 9) & calm),
-    climbing(0, lambda n: n == n, 5, lambda n, calm: n <= 5),
-    climbing(9, lambda n: n == n, 9, lambda n, calm: n <= 8),
-]
-
-
-def test_designed_problems_are_judged_as_by_the_toolkit() -> None:
-    assert [unlike(problem, depth, "cvc5") for problem in DESIGNED for depth in (0, 1, 2)] == [[]] * 9
-
-
-OBLIGATION_BUGS: dict[str, Callable[[Any], None]] = {
-    "the start is not assumed": lambda m: _of_obligations(
-        m, lambda o, c: o._replace(assumed=o.assumed[o.anywhere < 1 :])
-    ),
-    "nothing is assumed": lambda m: _of_obligations(m, lambda o, c: o._replace(assumed=())),
-    "every obligation starts at power-up": lambda m: _of_obligations(m, lambda o, c: o._replace(anywhere=False)),
-    "lemmas are shown before the step": lambda m: _of_obligations(
-        m, lambda o, c: o._replace(step=0) if "kept" in o.label else o
-    ),
-    "the given is forgotten": lambda m: _of_obligations(
-        m, lambda o, c: o._replace(assumed=tuple(a for a in o.assumed if a[1] != c.given))
-    ),
-    "the property is shown of itself": lambda m: _of_obligations(
-        m, lambda o, c: o._replace(assumed=(*o.assumed, (o.step, o.shown)))
-    ),
-}
-
-
-def _of_obligations(m: pytest.MonkeyPatch, change: Callable[..., Any]) -> None:
-    right = check.obligations
-    m.setattr(check, "obligations", lambda c: [change(one, c) for one in right(c)])
-
-
-@pytest.mark.parametrize("bug", OBLIGATION_BUGS)
-def test_a_bug_planted_in_the_obligations_is_found(bug: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    OBLIGATION_BUGS[bug](monkeypatch)
-    assert any(unlike(problem, 1, "z3") for problem in DESIGNED)
-
-
-def test_ranges_of_integers_are_assumed() -> None:
-    n: Any = variable("n", integer(3, 9))
-    problem = problem_of([State(n, n, 3)], [], n >= 3)
-    assert unlike(problem, 0, "z3") == [] and unlike(problem_of([State(n, n, 3)], [], n >= 4), 0, "z3") == []
-
-
-def test_forgotten_ranges_are_found(monkeypatch: pytest.MonkeyPatch) -> None:
-    n: Any = variable("n", integer(3, 9))
-    monkeypatch.setattr(check.Blaster, "leaf", _no_ranges(check.Blaster.leaf))
-    assert len(unlike(problem_of([State(n, n, 3)], [], n >= 3), 0, "z3")) == 1
-
-
-# --- proofs ----------------------------------------------------------------------------------------------------------
-
-PIGEONS = [(1, 2), (3, 4), (5, 6)] + [
-    (-a, -b) for hole in ((1, 3, 5), (2, 4, 6)) for a, b in zip(hole, hole[1:] + hole[:1], strict=True)
-]
-
-
-def accepted(clauses: Any, proof: str) -> bool:
-    try:
-        check.check_lrat(clauses, proof)
-    except check.Rejected:
-        return False
-    return True
-
-
-def test_a_proof_is_accepted_and_no_edit_that_breaks_it_is() -> None:
-    proof = refutation(PIGEONS, 20)
-    assert accepted(PIGEONS, proof) and follows(PIGEONS, proof)
-    rng = random.Random(7)
-    edits = [edited(proof, rng) for _ in range(2000)]
-    valid = [follows(PIGEONS, edit) for edit in edits]
-    assert valid.count(False) > 1000 and valid.count(True) > 10
-    assert [edit for edit, ok in zip(edits, valid, strict=True) if accepted(PIGEONS, edit) and not ok] == []
-
-
-@pytest.mark.parametrize(
-    ("proof", "clauses"),
-    [
-        ("", [(1,), (-1,)]),  # nothing derived
-        ("3 0 1 0", [(1,), (-1,)]),  # no contradiction yet
-        ("3 0 1 2", [(1,), (-1,)]),  # no end
-        ("2 0 1 2 0", [(1,), (-1,)]),  # a number that is taken
-        ("3 0 1 4 0", [(1,), (-1,)]),  # an unknown clause
-        ("3 0 3 0", [(1,), (2,)]),  # itself
-        ("3 1 0 1 0\n4 0 3 2 0", [(1, 2), (-1,)]),  # a clause that does not follow
-        ("3 d 1 0\n3 0 1 2 0", [(1,), (-1,)]),  # deletions are not needed
-        ("3 0 -1 2 0", [(1,), (-1,)]),  # no resolution on a literal
-        ("x", [(1,), (-1,)]),
-    ],
-)
-def test_what_is_no_proof_is_rejected(proof: str, clauses: Any) -> None:
-    assert not accepted(clauses, proof)
-    assert accepted([(1,), (-1,)], "3 0 1 2 0\n")
-
-
-def test_clauses_that_can_be_satisfied_have_no_proof() -> None:
-    with pytest.raises(NoProof, match="can be satisfied") as none:
-        refutation([(1, 2), (-1,)], 20)
-    assert none.value.satisfiable

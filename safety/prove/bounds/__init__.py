@@ -11,6 +11,9 @@
 A root y of x is a variable with `y * y == x` and `y >= 0`; a quotient is `quantity` over `per`.  Rounding is relaxed to
 what any rounding does (`counted`, `rounded_down`): then the bound holds for every phase.  Variables that take whole
 values only are named in `whole`.  Numbers are exact; units are the user's.
+
+In a proof file `claim_bound(slide, 500, expect=PROVED)` and `claim_bracket(slide)` make a claim of it.  What is proved
+has a certificate of kind "real": two routes, named, that agree; no proof that could be checked bit by bit.
 """
 
 from __future__ import annotations
@@ -18,6 +21,7 @@ from __future__ import annotations
 import importlib
 from typing import TYPE_CHECKING, Any
 
+from safety.prove.bounds.claims import BoundClaim, claim_bound, claim_bracket
 from safety.prove.bounds.statement import Bound, between, counted, magnitude, reals, rounded_down
 
 if TYPE_CHECKING:
@@ -27,12 +31,15 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Bound",
+    "BoundClaim",
     "Bracket",
     "Finding",
     "Limits",
     "between",
     "bracket",
     "check",
+    "claim_bound",
+    "claim_bracket",
     "counted",
     "magnitude",
     "reals",

@@ -9,14 +9,13 @@ from typing import Any
 
 from safety.prove.bounds.replay import Witness, shown
 from safety.prove.bounds.routes import Limits, Reply
-from safety.prove.bounds.statement import Bound
+from safety.prove.bounds.statement import WIDTH, Bound
 from safety.prove.bounds.verdict import ask, entry, exact
 from safety.prove.claims import PROVED, UNDECIDED, VACUOUS
 from safety.prove.solve import UNSAT, Disagreement
 from safety.system import ModelError
 from safety.terms import Bit
 
-WIDTH = Fraction(1, 10_000)  # of a bracket, relative
 STEPS = 200  # questions that a bracket may ask
 HIGHEST = 1 << 240  # times the first value reached: above it no upper bound is looked for
 ROUND = 100  # the largest numerator and denominator of a value that may be a bound by design
@@ -48,11 +47,11 @@ class Bracket:
         scale = max(abs(self.low), abs(self.high))
         return (self.high - self.low) / scale if scale else Fraction(0)
 
-    def to_json(self) -> dict[str, Any]:
+    def to_json(self, expect: str = PROVED) -> dict[str, Any]:
         """An entry for the "claims" of the results document, with "bracket" beside the usual keys."""
         return {
-            **entry(self.bound, self.verdict, PROVED, self.agreed_by, self.why, self.seconds),
-            "statement": f"Least upper bound: {self.bound.statement}",
+            **entry(self.bound, self.verdict, expect, self.agreed_by, self.why, self.seconds),
+            "statement": self.bound.least(),
             "questions": self.questions,
             "bracket": {
                 "low": None if self.low is None else exact(self.low),

@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from fractions import Fraction
 
+from safety.system import ModelError
 from safety.terms import Bit
 from safety.terms.graph import Term, TermError, describe, postorder
 
@@ -16,8 +17,18 @@ Witness = dict[Term, Range]  # each variable's value; a range of no width, save 
 
 
 def shown(witness: Witness) -> dict[str, str]:
-    """A witness as text: fractions, and `[low, high]` for a root between fractions."""
-    return {str(v.attr): str(low) if low == high else f"[{low}, {high}]" for v, (low, high) in witness.items()}
+    """A witness as text, in order of name: fractions, and `[low, high]` for a root between fractions."""
+    found = {str(v.attr): str(low) if low == high else f"[{low}, {high}]" for v, (low, high) in witness.items()}
+    return dict(sorted(found.items()))
+
+
+def read(text: str) -> Range:
+    """A value of a witness back from its text; raises `ModelError` for what is none."""
+    low, _, high = text.removeprefix("[").removesuffix("]").partition(", ")
+    try:
+        return Fraction(low), Fraction(high or low)
+    except (ValueError, ZeroDivisionError):
+        raise ModelError(f"{text!r} is no value of a point: expected a fraction, or [low, high]") from None
 
 
 def over(terms: list[Term], values: Mapping[Term, Range]) -> list[Range | bool | None]:

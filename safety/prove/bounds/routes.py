@@ -10,7 +10,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property
-from typing import Any
 
 from flint import fmpq
 
@@ -122,7 +121,7 @@ class Question:
 
     def _solver(self, name: str, by: str, whole: list[Term]) -> Reply:
         encoder = Encoder(name, integers=True)
-        solver = Solver(name, encoder.k, self.limits.seconds, real=not whole)
+        solver = Solver(name, encoder.k, self.limits.seconds, real=not whole, alone=True)
         solver.add(encoder([self.formula])[0])
         for v in whole:
             solver.add(encoder.k.IsInt(encoder.variable(v.attr, v.sort)))
@@ -131,19 +130,20 @@ class Question:
             return Reply(UNSAT, [by])
         if answer == UNKNOWN:
             return Reply(UNKNOWN, why=f"{by}: {solver.why}")
-        found = self._near(encoder, solver.model()) if name == "z3" else None
+        found = self._near(encoder, solver) if name == "z3" else None
         if found is not None:
             return found
         if self.whole and not whole:
             return Reply(UNKNOWN, why=f"{by}: it can hold where the variables in whole= are any reals")
         return Reply(SAT, why=f"{by} says that it can hold, without an exact point")
 
-    def _near(self, encoder: Encoder, model: Any) -> Reply | None:
-        """An exact point at a model of z3, or near it where it is irrational; None where there is none."""
+    def _near(self, encoder: Encoder, solver: Solver) -> Reply | None:
+        """An exact point at the model of z3, or near it where it is irrational; None where there is none."""
+        model = solver.model()
         guess: list[fmpq] = []
         irrational: list[int] = []
         for i, v in enumerate(self.order):
-            value = model.eval(encoder.variable(v.attr, v.sort), model_completion=True)
+            value = model.eval(solver.translated(encoder.variable(v.attr, v.sort)), model_completion=True)
             if encoder.k.is_algebraic_value(value):
                 irrational.append(i)
                 value = value.approx(CLOSE)

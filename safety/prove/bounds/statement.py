@@ -13,12 +13,14 @@ from safety.terms.graph import REAL, Term, describe, variable, variables
 from safety.terms.values import all_of
 
 Exact = int | Fraction
+WIDTH = Fraction(1, 10_000)  # of a bracket, relative
 
 
 @dataclass(frozen=True, eq=False)
 class Bound:
     """A quantity, over `per` (above zero) where it is a quotient, wherever all of `given` hold.
 
+    `assumed` says in words, each with its tag, which of the numbers in it no source gives: "[A] 60 pulses a turn".
     Raises `ModelError` for a quantity that is no real, or a bound without a variable.
     """
 
@@ -31,6 +33,7 @@ class Bound:
     unit: str = ""
     requirement: str = ""
     source: str = ""
+    assumed: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         for name, term in (("quantity", self.quantity), ("per", self.per)):
@@ -49,6 +52,14 @@ class Bound:
     def situation(self) -> Bit:
         """All of `given` at once."""
         return all_of(*self.given)
+
+    def sentence(self, limit: Fraction, strict: bool = False) -> str:
+        """That the limit is kept, in words."""
+        return f"{self.statement} {'<' if strict else '<='} {plain(limit)} {self.unit}".strip()
+
+    def least(self) -> str:
+        """What a bracket looks for, in words."""
+        return f"Least upper bound: {self.statement}"
 
     def beyond(self, limit: Fraction, reached: bool = False) -> Bit:
         """The situations in which the limit is exceeded (or reached), or the quotient has no meaning."""
@@ -75,6 +86,12 @@ def reals(names: str) -> list[Real]:
     if len(set(found)) < len(found):
         raise ModelError(f"reals({names!r}): two variables share a name; give one another")
     return [cast(Real, variable(name, REAL)) for name in found]
+
+
+def plain(x: Fraction) -> str:
+    """A fraction as a decimal where a short one is equal to it, else as p/q."""
+    text = f"{float(x):.12g}"
+    return text if "e" not in text and Fraction(text) == x else str(x)
 
 
 def between(low: Exact, x: Real, high: Exact) -> Bit:

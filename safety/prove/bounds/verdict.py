@@ -38,14 +38,13 @@ class Finding:
 
     def to_json(self, expect: str = PROVED) -> dict[str, Any]:
         """An entry for the "claims" of the results document; certificates of this kind are "real"."""
-        sign = "<" if self.strict else "<="
         found = None
         if self.witness is not None and self.value is not None:
-            found = {"values": shown(self.witness), "value": exact(self.value[0]), "replayed": True}
+            found = one_step(self.witness) | {"value": exact(self.value[0]), "violated_at": 0}
         return {
             **entry(self.bound, self.verdict, expect, self.agreed_by, self.why, self.seconds),
-            "statement": f"{self.bound.statement} {sign} {self.limit} {self.bound.unit}".strip(),
-            "limit": exact(self.limit),
+            "statement": self.bound.sentence(self.limit, self.strict),
+            "limit": exact(self.limit) | {"unit": self.bound.unit},
             "counterexample": found,
         }
 
@@ -88,16 +87,16 @@ def ask(bound: Bound, formula: Bit, limits: Limits, thorough: bool = True) -> Re
     return reply
 
 
-def _beyond(bound: Bound, limit: Fraction, reached: bool = False) -> Bit:
-    """The situations in which the limit is exceeded (or reached), or the quotient has no meaning."""
-    most = bound.per * limit
-    exceeded = bound.quantity >= most if reached else bound.quantity > most
-    return bound.situation & (exceeded | (bound.per <= 0))
-
-
 def exact(x: Fraction) -> dict[str, Any]:
     """A fraction in the results: the double, and the exact value beside it."""
     return {"value": float(x), "exact": str(x)}
+
+
+def one_step(witness: Witness) -> dict[str, Any]:
+    """A point as a run of one step, as results show it; its values are exact, a root's is `[low, high]`."""
+    values = shown(witness)
+    signals = [{"path": name, "kind": "number", "values": [value]} for name, value in values.items()]
+    return {"steps": 1, "tick_s": None, "replayed": True, "faults": [], "signals": signals, "values": values}
 
 
 def entry(bound: Bound, verdict: str, expect: str, agreed: Sequence[str], why: str, seconds: float) -> dict[str, Any]:
@@ -116,8 +115,12 @@ def entry(bound: Bound, verdict: str, expect: str, agreed: Sequence[str], why: s
         "why": why or None,
         "user_lemmas": 0,
         "agreed_by": list(agreed),
-        "certificate": {"kind": "real"} if verdict == PROVED else None,
+        "certificate": {"kind": "real", "routes": list(agreed)} if verdict == PROVED else None,
         "seconds": round(seconds, 3),
         "counterexample": None,
-        "assumptions": [describe(g, 6) for g in bound.given],
+        "assumptions": [
+            *bound.assumed,
+            *(describe(g, 6) for g in bound.given),
+            *(f"{describe(v)} is a whole number" for v in bound.whole),
+        ],
     }

@@ -61,7 +61,12 @@ class Candidate:
 
 
 def fit(candidates: Sequence[Candidate], rows: Rows, start: bool = False) -> list[Candidate]:
-    """The candidates that agree with sampled states, bounds lowered to them; `start`: bounds are set from them."""
+    """The candidates that agree with sampled states, bounds lowered to them; `start`: bounds are set from them.
+
+    Where there are no states, those remain whose bounds are known.
+    """
+    if not rows or not len(next(iter(rows.values()))):
+        return [c for c in candidates if c.bound is not None or c.shown.sort.kind == "bit"]
     columns = evaluate([t for c in candidates for t in (c.guard, c.shown)], rows)
     kept: list[Candidate] = []
     for c, guard, shown in zip(candidates, columns[::2], columns[1::2], strict=True):

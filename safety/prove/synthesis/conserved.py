@@ -49,6 +49,11 @@ class Form:
         return sum(c for _, c in self.change)
 
     @property
+    def product(self) -> bool:
+        """Whether registers are multiplied with one another."""
+        return any(len(factors) > 1 for _, factors in self.terms)
+
+    @property
     def registers(self) -> list[Term]:
         """The registers of the form."""
         return distinct(v for _, factors in self.terms for v in factors)
@@ -103,7 +108,9 @@ def forms(steps: Steps, group: Sequence[State], watching: Sequence[State], free:
         columns: list[tuple[Any, Matrix]] = [((x,), d) for x, d in differences if d.any()]
         moved = [key for (key,), _ in columns]
         columns += [((p, x), _difference(steps, (p, x))[clean]) for p in (*rigid, *still) for x in moved]
-        columns += _varying([(v, steps.inputs[v.uid][clean].astype(object)) for v in free if is_whole(v)])
+        values = [(v, steps.inputs[v.uid][clean]) for v in free if is_whole(v)]
+        values += [(p, steps.before[p.uid][clean]) for p in rigid]
+        columns += _varying([(v, column.astype(object)) for v, column in values])
         columns.append((None, _ones(int(clean.sum()))))
         if moved and len(columns) <= MOST_COLUMNS and clean.sum() >= ROWS * len(columns):
             found |= {f.key: f for f in _without_clocks(_null_space(columns))}
@@ -186,7 +193,8 @@ def _saturating(steps: Steps, group: Sequence[State]) -> Matrix:
             at_end = before == end
             if high > low and not (2 * abs(after[at_end] - end) > high - low).any():
                 far = abs(after - before)
-                found |= at_end | ((after == end) & (far > 1) & (2 * far < high - low))
+                strides = bool(((far > 1) & (after != end) & (2 * far < high - low)).any())
+                found |= at_end | ((after == end) & (2 * far < high - low) & strides)
     return found
 
 
@@ -243,6 +251,11 @@ def _form(vector: Sequence[int], columns: Sequence[tuple[Any, Matrix]]) -> Form 
         if c and not isinstance(key, tuple)
     ]
     return Form(tuple((sign * c, key) for c, key in terms), tuple(change))
+
+
+def units(states: Sequence[State]) -> list[Form]:
+    """Each register as a form by itself."""
+    return [Form(((1, (s.var,)),), ()) for s in states if is_whole(s.var) and s.next is not s.var]
 
 
 def pairs(states: Sequence[State], groups: Sequence[Sequence[State]], watching: Sequence[State]) -> list[Form]:

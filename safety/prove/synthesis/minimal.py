@@ -14,7 +14,7 @@ from safety.terms import Bit
 PATIENCE = 10.0  # seconds for one question
 
 
-def needed(problem: Problem, lemmas: Mapping[str, Bit], depth: int) -> dict[str, Bit]:
+def needed(problem: Problem, lemmas: Mapping[str, Bit], depth: int, integers: bool) -> dict[str, Bit]:
     """The lemmas that the property at this depth of induction needs, and those that these need to be kept by a step.
 
     All of them where the solver gives no core.
@@ -22,14 +22,14 @@ def needed(problem: Problem, lemmas: Mapping[str, Bit], depth: int) -> dict[str,
     proved = replace(problem, lemmas={})
     wanted: set[str] = set()
     for obligation in property_obligations(proved, depth):
-        core = _core(problem, lemmas, obligation) if obligation.anywhere else set()
+        core = _core(problem, lemmas, obligation, integers) if obligation.anywhere else set()
         if core is None:
             return dict(lemmas)
         wanted |= core
     edge = sorted(wanted)
     for name in edge:  # grows while it is walked
         kept = Obligation(name, True, ((0, (problem.given,)),), 1, lemmas[name])
-        core = _core(problem, lemmas, kept)
+        core = _core(problem, lemmas, kept, integers)
         if core is None:
             return dict(lemmas)
         edge += sorted(core - wanted)
@@ -37,8 +37,8 @@ def needed(problem: Problem, lemmas: Mapping[str, Bit], depth: int) -> dict[str,
     return {name: lemma for name, lemma in lemmas.items() if name in wanted}
 
 
-def _core(problem: Problem, lemmas: Mapping[str, Bit], obligation: Obligation) -> set[str] | None:
-    unrolling = Unrolling(problem.system, "z3", True, obligation.anywhere)
+def _core(problem: Problem, lemmas: Mapping[str, Bit], obligation: Obligation, integers: bool) -> set[str] | None:
+    unrolling = Unrolling(problem.system, "z3", integers, obligation.anywhere)
     asked = Solver("z3", unrolling.k, PATIENCE)
     for step, formulas in obligation.assumed:
         asked.add(*unrolling.at(step, formulas))

@@ -5,11 +5,14 @@ Rows are NumPy lanes: one array a register (bool, int64, or objects beyond that)
 
 from __future__ import annotations
 
+import math
+import time
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from safety.prove.problem import Problem
+from safety.prove.solve import SAT, Solver, Unrolling
 from safety.system import ANY
 from safety.terms import Bit
 from safety.terms.graph import Term, postorder, variables
@@ -23,6 +26,8 @@ if TYPE_CHECKING:
 Rows = dict[int, Any]  # lanes by uid of the variable
 
 HELD = 0.9  # share of the inputs that stay from one step to the next
+COPIES = 64  # lanes that begin at the one power-up state that a solver gave
+START_QUESTION = 5.0  # seconds
 TRIES = 24  # draws of inputs for a lane, until the assumptions admit one
 
 
@@ -161,8 +166,11 @@ class Sampler:
         given, *after = self._step(*(state[v.uid] for v in self.registers), *(inputs[v.uid] for v in self.inputs))
         return given, {v.uid: a for v, a in zip(self.registers, after, strict=True)}
 
-    def steps(self, n: int, rounds: int = 40, share: float = 0.4) -> Steps:
-        """At least `n` admitted steps from arbitrary register contents, or as many as some rounds of draws give."""
+    def steps(self, n: int, rounds: int = 40, share: float = 0.4, until: float = math.inf) -> Steps:
+        """At least `n` admitted steps from arbitrary register contents, or as many as some rounds of draws give.
+
+        No further round begins once the monotonic clock shows `until`.
+        """
         kept: list[Steps] = []
         count = 0
         for _ in range(rounds):
@@ -179,7 +187,7 @@ class Sampler:
             inputs |= {p.uid: values for p, values in zip(self.points, points, strict=True)}
             kept.append(Steps(state, inputs, after))
             count += int(given.sum())
-            if count >= n:
+            if count >= n or time.monotonic() > until:
                 break
         return _joined(kept)
 
@@ -195,9 +203,26 @@ class Sampler:
             return state
         inputs = self.draw_inputs(n)
         (admitted,) = self._start(*(state[v.uid] for v in self.registers), *(inputs[v.uid] for v in self.inputs))
-        return _where(state, admitted)
+        return _where(state, admitted) if admitted.any() else self._solved_start()
 
-    def run(self, state: Rows, ticks: int, every: int = 1) -> list[Rows]:
+    def _solved_start(self) -> Rows:
+        """One power-up state from the solver, where drawing finds none; no rows when it finds none either."""
+        import numpy as np
+
+        unrolling = Unrolling(self.problem.system, "z3", True)
+        solver = Solver("z3", unrolling.k, START_QUESTION)
+        solver.add(*unrolling.at(0, [self.problem.start, self.problem.given]))
+        values = unrolling.at(0, self.registers)
+        solver.add_ranges(unrolling)
+        if solver.check() != SAT:
+            return {v.uid: np.zeros(0, dtype=lane_type(v)) for v in self.registers}
+        model, read = solver.model(), unrolling.encoder.value
+        return {
+            v.uid: np.full(COPIES, read(model, x, v.sort), dtype=lane_type(v))
+            for v, x in zip(self.registers, values, strict=True)
+        }
+
+    def run(self, state: Rows, ticks: int, every: int = 1, until: float = math.inf) -> list[Rows]:
         """States met from given ones on, in which a step is admitted; the inputs are drawn anew now and then.
 
         A lane ends where no draw is admitted.
@@ -208,7 +233,7 @@ class Sampler:
         n = len(next(iter(state.values()), []))
         held: Rows | None = None
         for k in range(ticks):
-            if n == 0:
+            if n == 0 or time.monotonic() > until:
                 break
             fresh = self.draw_inputs(n)
             if held is not None:

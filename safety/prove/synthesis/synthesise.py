@@ -7,22 +7,28 @@ from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from typing import cast
 
+from safety.prove.claims import BITS, INTEGERS
 from safety.prove.induction import ask, property_obligations
 from safety.prove.problem import Problem
-from safety.prove.solve import UNSAT
+from safety.prove.solve import SAT, UNSAT
 from safety.prove.synthesis.candidates import Candidate, fit
-from safety.prove.synthesis.conserved import Form, forms, groups, pairs, reads
+from safety.prove.synthesis.conserved import Form, forms, groups, pairs, reads, units
 from safety.prove.synthesis.houdini import OutOfTime, Pruner
 from safety.prove.synthesis.minimal import needed
-from safety.prove.synthesis.sampling import Sampler, Steps, conjuncts, joined
+from safety.prove.synthesis.sampling import Rows, Sampler, Steps, conjuncts, joined
+from safety.prove.synthesis.shapes import codes, shapes
 from safety.prove.synthesis.templates import Neighbourhood, atoms, bounds, ceiling_of, ceilings, clauses, clocks, rates, residues, telling
 from safety.terms import Bit
-from safety.terms.graph import variables
+from safety.terms.graph import postorder, variables
 from safety.terms.values import all_of
 
+STAGES = (
+    "codes", "clauses", "rates", "clocks", "bounds", "shapes", "rates at ends", "bounds on products", "guarded bounds",
+)  # fmt: skip
 LANES, TICKS, EVERY, STEPS = 192, 90, 3, 4000
-SLICE = 0.4  # share of the time left that one stage may take
+SLICE = 0.3  # share of the time left that one stage may take
 QUESTION = 10.0  # seconds for the question whether the property follows
+BITWISE = ("band", "bor", "bxor")  # combine words bit by bit: hopeless in integers, easy in bits
 
 
 @dataclass
@@ -32,6 +38,7 @@ class Found:
     lemmas: dict[str, Bit] = field(default_factory=dict)
     depth: int | None = None
     why: str = ""
+    arithmetic: str = INTEGERS
 
 
 def synthesise(problem: Problem, seconds: float, say: Callable[[str], None] | None = None) -> Found:
@@ -41,27 +48,36 @@ def synthesise(problem: Problem, seconds: float, say: Callable[[str], None] | No
     """
     deadline = time.monotonic() + seconds
     say = say or (lambda _: None)
-    found = Found(why="the property does not follow from the lemmas that were found")
-    for distance, part in enumerate(layers(problem), 1):
-        say(f"{len(part.system.states)} registers up to distance {distance}")
-        search = _Search(part, deadline)
-        for stage in search.stages():
-            say(f"{stage}: {len(search.kept)} candidates are inductive; {search.why}")
+    searches = [_Search(part, deadline) for part in layers(problem)]
+    globals()["LAST"] = searches
+    running = [(search, search.stages()) for search in searches]
+    for stage in STAGES:
+        for search, stages in running:
+            next(stages)
+            say(f"{stage}, {len(search.problem.system.states)} registers: {len(search.kept)} kept; {search.why}")
             depth = search.follows()
             if depth is not None:
-                return Found(needed(search.problem, search.lemmas(), depth), depth)
+                integers = search.arithmetic == INTEGERS
+                lemmas = needed(search.problem, search.lemmas(), depth, integers)
+                return Found(lemmas, depth, arithmetic=search.arithmetic)
             if time.monotonic() > deadline:
                 return Found(why=f"lemma synthesis was stopped after {seconds:g} s")
-    return found
+    return Found(why="the property does not follow from the lemmas that were found")
 
 
 def layers(problem: Problem) -> Iterator[Problem]:
-    """The problem with the registers at a distance of 1, 2, ... from its property, the rest being free inputs."""
+    """The problem with the registers at a distance of 1, 2, ... from its property, the rest being free inputs.
+
+    Last come those that watch for the assumptions alone.
+    """
     states = {s.var.uid: s for s in problem.system.states}
     reached = {v.uid for v in variables([problem.holds, *problem.premises]) if v.uid in states}
+    assumed = {v.uid for v in variables([problem.given]) if v.uid in states and states[v.uid].next is not v}
     while True:
         yield localised(problem, reached)
         further = reached | {v.uid for uid in reached for v in variables([states[uid].next]) if v.uid in states}
+        if further == reached:
+            further = reached | assumed
         if further == reached:
             return
         reached = further
@@ -85,6 +101,10 @@ class _Search:
         self.near = Neighbourhood(problem)
         self.sampler = Sampler(problem)
         self.atoms = atoms(problem)
+        self.arithmetic = INTEGERS
+        self.asked = 0
+        combines = any(t.op in BITWISE for t in postorder([problem.holds, *(s.next for s in problem.system.states)]))
+        self.readings = (BITS, INTEGERS) if combines else (INTEGERS,)
 
     def lemmas(self) -> dict[str, Bit]:
         """The candidates kept so far, by name."""
@@ -96,52 +116,84 @@ class _Search:
     def settled(self) -> list[Bit]:
         return [c.lemma for c in self.kept]
 
+    def soon(self) -> float:
+        """When one stage has to end."""
+        now = time.monotonic()
+        return now + max(SLICE * (self.deadline - now), 0.1)
+
     def keep(self, candidates: Sequence[Candidate]) -> None:
         """Prune candidates against what is kept, and keep the rest; none where that takes too long."""
-        now = time.monotonic()
         self.why = ""
         try:
-            self.pruner.deadline = now + max(SLICE * (self.deadline - now), 0.1)
+            self.pruner.deadline = self.soon()
             self.kept += self.pruner.prune(candidates, self.settled())
         except OutOfTime as error:
             self.why = str(error)
 
     def follows(self) -> int | None:
-        """The depth of induction at which the property follows, if one does."""
+        """The depth of induction at which the property follows, if one does; not asked again for the same lemmas."""
+        if len(self.kept) == self.asked:
+            return None
+        self.asked = len(self.kept)
         whole = replace(self.problem, lemmas=self.lemmas())
         for depth in range(self.problem.claim.induction + 1):
-            replies = (ask(whole, o, "z3", True, QUESTION) for o in property_obligations(whole, depth))
-            if all(reply.result == UNSAT for reply in replies):
-                return depth
+            for reading in self.readings:
+                answer = self.answer(whole, depth, reading == INTEGERS)
+                if answer == UNSAT:
+                    self.arithmetic = reading
+                    return depth
+                if answer == SAT:
+                    break
         return None
 
-    def stages(self) -> Iterator[str]:
-        """Each stage adds to what is kept; its name is given when it is done."""
-        rows = joined(self.sampler.run(self.sampler.starts(LANES), TICKS, EVERY))
+    def answer(self, whole: Problem, depth: int, integers: bool) -> str:
+        """`unsat` when all obligations of the property at a depth are met, else what the first says that is not."""
+        results = (ask(whole, o, "z3", integers, QUESTION).result for o in property_obligations(whole, depth))
+        return next((result for result in results if result != UNSAT), UNSAT)
+
+    def stages(self) -> Iterator[None]:
+        """Each of the `STAGES` adds to what is kept."""
+        self.keep(codes(self.near))
+        yield
+        rows = joined(self.sampler.run(self.sampler.starts(LANES), TICKS, EVERY, self.soon()))
         guessed = clauses(self.near, self.atoms, rows) if len(next(iter(rows.values()), [])) else []
         self.keep([*ceilings(self.problem, rows), *residues(self.problem, rows), *guessed])
-        yield "clauses"
+        yield
         healthy = self.without_faults(self.problem)
-        steps = healthy.steps(STEPS, 20, 0.1)
+        steps = healthy.steps(STEPS, 20, 0.1, self.soon())
         found = self.forms(healthy, steps)
-        self.keep(self.racing(steps, found))
-        yield "rates"
-        self.keep(fit(clocks(self.near, steps, self.atoms, 1), rows, start=True))
-        yield "clocks"
+        linear, products = [f for f in found if not f.product], [f for f in found if f.product]
         watching = [s for s in self.problem.system.states if s.path.startswith("watch.")]
-        found += pairs(self.problem.system.states, groups(self.problem.system.states, watching), watching)
-        for guarded in (False, True):
-            bounding = fit(bounds(self.near, steps, found, self.atoms, self.tops(), guarded), rows, start=True)
-            dropped = [c for c in guessed if not any(c is k for k in self.kept)]
-            self.keep([*(c for c in bounding if telling(c, self.kept)), *dropped])
-            yield "guarded bounds" if guarded else "bounds"
+        near = groups(self.problem.system.states, watching)
+        self.race(steps, rows, linear, True)
+        yield
+        self.keep(fit(clocks(self.near, steps, self.atoms, 1), rows, start=True))
+        yield
+        both = linear + pairs(self.problem.system.states, near, watching)
+        self.bound(steps, rows, both, False, guessed)
+        yield
+        self.keep(fit(shapes(self.near, steps, rows, self.atoms), rows, start=True))
+        yield
+        self.race(steps, rows, [*linear, *units(self.problem.system.states)], False)
+        yield
+        self.bound(steps, rows, products, False, guessed)
+        yield
+        self.bound(steps, rows, both, True, guessed)
+        yield
 
-    def racing(self, steps: Steps, found: list[Form]) -> list[Candidate]:
-        self.pruner.deadline = self.deadline
+    def bound(self, steps: Steps, rows: Rows, some: list[Form], guarded: bool, guessed: list[Candidate]) -> None:
+        """Bounds on forms, and together with them the clauses that did not hold without."""
+        bounding = fit(bounds(self.near, steps, some, self.atoms, self.tops(), guarded), rows, start=True)
+        dropped = [c for c in guessed if not any(c is k for k in self.kept)]
+        self.keep([*(c for c in bounding if telling(c, self.kept)), *dropped])
+
+    def race(self, steps: Steps, rows: Rows, some: list[Form], flags: bool) -> None:
+        """Rates of forms; none where finding them takes too long."""
+        self.pruner.deadline = self.soon()
         try:
-            return rates(self.pruner, self.near, steps, found, self.atoms, self.settled())
-        except OutOfTime:
-            return []
+            self.keep(fit(rates(self.pruner, self.near, steps, some, self.atoms, self.settled(), flags), rows, start=True))
+        except OutOfTime as error:
+            self.why = str(error)
 
     def without_faults(self, problem: Problem) -> Sampler:
         """A sampler of steps in which no fault is present, registers below the ceilings that are known."""
@@ -168,7 +220,7 @@ class _Search:
         assumed = (cast(Bit, a) for a in self.problem.system.assumptions.values())
         loose = self.without_faults(replace(self.problem, given=all_of(*assumed, *(cast(Bit, e) for e in equal))))
         seen: dict[object, Form] = {}
-        for source, drawn in ((loose, loose.steps(STEPS, 20, 0.1)), (sampler, steps)):
+        for source, drawn in ((loose, loose.steps(STEPS, 20, 0.1, self.soon())), (sampler, steps)):
             for group in groups(self.problem.system.states, watching):
                 free = reads(group, [*source.inputs, *source.points])
                 for f in forms(drawn, group, watching, free):

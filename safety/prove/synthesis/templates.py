@@ -24,7 +24,8 @@ from safety.terms.values import all_of, any_of, bit, select
 FEW = 8  # values of a register all of which are atoms
 SMALL = 16  # values of a register each of which is an atom of its own
 MOST_NODES = 12  # of a condition of the model that is taken for an atom
-WIDEST = 4  # guards of a rate that are tried, those that hold most often first
+SLOW = 8  # steps at least that a fall at a rate takes through the range of a register
+WIDEST = 3  # guards of a rate that are tried, those that hold most often first
 SELDOM = 0.1  # share of steps in which a form may fall and yet have a lower bound
 TRUE = bit(True)
 
@@ -141,7 +142,7 @@ def clauses(near: Neighbourhood, atoms: Sequence[Bit], rows: Rows) -> list[Candi
         if always[j] or not table[i].any() or i // 2 == j // 2 or i > (j ^ 1):
             continue
         both = where[i] | where[j]
-        if any(both <= members for members in together):
+        if len(both) > 1 and any(both <= members for members in together):
             found.append(_clause(near, literals[i], literals[j]))
     return found
 
@@ -216,9 +217,12 @@ def times(problem: Problem) -> list[State]:
 
 def rates(
     pruner: Pruner, near: Neighbourhood, steps: Steps, forms: Sequence[Form], atoms: Sequence[Bit],
-    settled: Sequence[Bit],
+    settled: Sequence[Bit], flags: bool,
 ) -> list[Candidate]:  # fmt: skip
-    """`form >= rate * time + constant` where a time grows and a flag does not hold (after it: up to its entry)."""
+    """`form >= rate * time + constant` where a time grows and a guard does not fail (then: up to where it fails).
+
+    With `flags` the guards are wires; else values of small counters, and single registers may fall at a rate.
+    """
     found: list[Candidate] = []
     before = steps.before | steps.inputs
     (admitted,) = evaluate([all_of(*settled)], before)
@@ -228,25 +232,33 @@ def rates(
         for form in forms:
             if time.var.uid in {v.uid for v in form.registers}:
                 continue
+            single = len(form.registers) == 1 and not form.change
+            if single and flags:
+                continue
+            guards = [TRUE] if single else [g for g in guards_of(near, form, atoms) if _is_flag(g) == flags]
+            guards = [TRUE, *guards] if flags else guards
             healthy = near.healthy(form.registers)
-            flags = [TRUE, *guards_of(near, form, atoms)]
             for shown, text in ((form.term(), show(form)), (cast(Int, -form.term()), f"-({show(form)})")):
-                values = [evaluate([shown, healthy, *flags], rows) for rows in (before, steps.after)]
+                values = [evaluate([shown, healthy, *guards], rows) for rows in (before, steps.after)]
                 change = values[1][0] - values[0][0]
-                seen: list[tuple[bool, int, int, Bit]] = []
-                for i, (was, is_) in enumerate(zip(values[0][2:], values[1][2:], strict=True)):
+                seen: list[tuple[int, int, Bit]] = []
+                for guard, was, is_ in zip(guards, values[0][2:], values[1][2:], strict=True):
                     where = admitted & (advance > 0) & values[0][1] & was & is_
                     rate = min((int(c // a) for c, a in zip(change[where], advance[where], strict=True)), default=0)
-                    if rate > 0:
-                        seen.append((not _is_flag(flags[i]), -int(where.sum()), rate, flags[i]))
-                for *_, rate, flag in sorted(seen, key=lambda one: one[:2])[:WIDEST]:
-                    found += _race(pruner, (healthy, shown, text), flag, t, time.next, rate, settled)
+                    low, high = shown.sort.bounds
+                    if (rate < 0 and -SLOW * rate <= high - low) if single else rate > 0:
+                        seen.append((-int(where.sum()), rate, guard))
+                for _, rate, guard in sorted(seen, key=lambda one: one[0])[: None if flags else WIDEST]:
+                    raced = _race(pruner, (healthy, shown, text), guard, t, time.next, rate, settled)
+                    found += raced
+                    if raced and guard.is_const:
+                        break
     return found
 
 
 def _is_flag(literal: Bit) -> bool:
     inner = literal.args[0] if literal.op == "not" else literal
-    return inner.op in ("var", "const")
+    return inner.op == "var"
 
 
 def _race(
@@ -255,13 +267,14 @@ def _race(
     healthy, shown, text = what
     one = cast(Bit, as_int(after) == t + 1)
     least_rate = pruner.least_change(shown, one, (healthy, free, *settled), free)
-    rate = rate if least_rate is None else min(rate, least_rate)
+    wanted, rate = rate, rate if least_rate is None else min(rate, least_rate)
     least = pruner.least_value(shown, healthy, settled)
-    if rate <= 0 or least is None:
+    if rate == 0 or least is None or rate < 0 < wanted:
         return []
-    found = [Candidate(healthy & free, cast(Int, shown - t * rate), least, f"{text} - {rate}*{t_name(t)}")]
+    start = least if rate > 0 else None  # below 0: a fall is bounded, from what is seen at the start
+    found = [Candidate(healthy & free, cast(Int, shown - t * rate), start, f"{text} - {rate}*{t_name(t)}")]
     flag = cast(Bit, ~free)
-    if free.is_const or (entry := pruner.least_at_entry(shown, flag, (healthy, *settled))) is None or entry < least:
+    if free.is_const or rate < 0 or (entry := pruner.least_at_entry(shown, flag, (healthy, *settled))) is None or entry < least:
         return found
     enough = (entry - least) // rate
     capped = select(t < enough, t, enough)

@@ -1,0 +1,128 @@
+"""Whether a claim says anything: its premises can happen, its assumptions can be kept, another model would break it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+from safety.prove import search
+from safety.prove.claims import BOUNDED, VACUOUS
+from safety.prove.engines.engine import in_integers, uses_reals
+from safety.prove.falsify import DEEPEST, reach
+from safety.prove.induction import Answer, by_induction
+from safety.prove.outcome import Limits, Outcome, who_is_silent
+from safety.prove.problem import Problem, premise_name, without_model
+from safety.prove.solve import UNSAT, Solver
+from safety.prove.vacuity import ends_after
+from safety.system import ModelError
+from safety.terms import Bit
+from safety.terms.graph import describe
+from safety.terms.smt import Encoder
+
+QUICK = 10.0  # seconds at most for a question whose answer is only a note
+
+
+def says_less(problem: Problem, limits: Limits) -> Iterator[str]:
+    """In what a claim that holds says less than it seems to."""
+    timeout = min(limits.timeout, QUICK)
+    if _holds_of_any_model(problem, timeout):
+        yield "it holds whatever the model does: it says nothing about this one"
+    last = ends_after(problem, problem.claim.steps, uses_reals(problem), timeout)
+    if last is not None:
+        yield f"no run keeps what is assumed for more than {last} steps: it says nothing of later ones"
+
+
+def _holds_of_any_model(problem: Problem, timeout: float) -> bool:
+    encoder = Encoder("z3", in_integers(problem))
+    claimed = encoder([without_model(problem)])[0]
+    solver = Solver("z3", encoder.k, timeout)
+    solver.add(*encoder.ranges, encoder.k.Not(claimed))
+    return solver.check() == UNSAT
+
+
+def show_premises(problem: Problem, outcome: Outcome, limits: Limits) -> None:
+    """Show that each premise (with the assumptions) can happen; a claim that never says anything is vacuous.
+
+    Raises `ModelError` for a witness that shows no premise.
+    """
+    met = _witnessed(problem)
+    for i, premise in enumerate(problem.premises):
+        too_late = i in met and outcome.verdict == BOUNDED and met[i] >= (outcome.steps or 0)
+        if too_late and _bounded(problem, premise, limits).run is None:
+            _too_short(outcome, met[i])
+            return
+        if i not in met:
+            found = _bounded(problem, premise, limits)
+            if found.run is None and limits.simulation > 0:
+                found.run = reach(problem, premise, DEEPEST, limits.simulation)
+            if found.run is None:
+                _unmet(problem, outcome, premise, found, limits)
+                return
+            met[i] = len(found.run) - 1
+            if outcome.verdict == BOUNDED and met[i] >= (outcome.steps or 0):
+                _too_short(outcome, met[i])
+                return
+    outcome.premise_at = max(met.values())
+
+
+def _bounded(problem: Problem, target: Bit, limits: Limits) -> search.Found:
+    return search.bounded(problem, target, problem.claim.steps, uses_reals(problem), limits.timeout)
+
+
+def _witnessed(problem: Problem) -> dict[int, int]:
+    """The premises that the claim's witness meets, with the step at which it does."""
+    witness = problem.claim.witness
+    if witness is None:
+        return {}
+    run = search.scripted(problem, witness)
+    first = [search.first(run, premise_name(problem, i)) for i in range(len(problem.premises))]
+    met = {i: step for i, step in enumerate(first) if step is not None}
+    if not met:
+        raise ModelError(
+            f"{problem.claim.id}: its witness never reaches the premise in {witness.steps} steps; mend the witness"
+        )
+    return met
+
+
+def _too_short(outcome: Outcome, met: int) -> None:
+    """A search that ends before the premise can happen bounds nothing."""
+    outcome.because(
+        f"the search of {outcome.steps} steps ends before the premise can happen "
+        f"(it was seen at step {met}), so it says nothing"
+    )
+    outcome.undecided()
+
+
+def _unmet(problem: Problem, outcome: Outcome, premise: Bit, found: search.Found, limits: Limits) -> None:
+    text = "" if premise.is_const else f" {describe(premise)}"
+    never = _never(problem, premise, limits)
+    if never is not None:
+        contradiction = premise.is_const and premise.attr
+        what = (
+            "the assumptions contradict one another: no run starts"
+            if contradiction
+            else f"the premise{text} can never happen"
+        )
+        outcome.verdict, outcome.agreed_by, outcome.steps, outcome.candidate = VACUOUS, never.agreed_by, None, {}
+        outcome.method = (
+            f"induction of depth {never.depth} that {'no run starts' if contradiction else 'none meets it'}"
+        )
+        outcome.why = "; ".join(filter(None, [what, who_is_silent(never)]))
+        return
+    outcome.because(
+        f"the premise{text} was not reached within {found.searched} steps; "
+        "give the claim a witness (a scenario in which it happens)",
+        found.why,
+    )
+    outcome.undecided()
+
+
+def _never(problem: Problem, premise: Bit, limits: Limits) -> Answer | None:
+    """The proof that a premise is impossible, by the same induction; without the lemmas where these do not hold."""
+    depth = max(1, problem.claim.induction)  # that no run starts takes a step
+    for lemmas in [problem.lemmas, {}] if problem.lemmas else [{}]:
+        asked = replace(problem, holds=~premise, lemmas=lemmas)
+        answer = by_induction(asked, depth, in_integers(problem), limits.timeout, limits.solvers)
+        if answer.proved:
+            return answer
+    return None
