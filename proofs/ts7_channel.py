@@ -15,18 +15,11 @@ from proofs.ts7_formulas import (
     EXCESS_AREA,
     at_least_kmh,
     at_most_kmh,
-    deficit,
     excess,
-    falling,
     frames_for,
     latch_at_the_ends,
     overspeed,
-    rising,
-    stays_braked,
-    stays_free,
     sum_of_excess,
-    surplus,
-    surplus_of_sum,
     two_above,
     two_below,
     underspeed,
@@ -70,7 +63,7 @@ def slow_down(word, speed):
 
 
 @claim(
-    Bench, given=wheel_set_right, lemmas=[LATCH, surplus("a", 1, brake_frames(1))],
+    Bench, given=wheel_set_right, 
     requirement="TS7-3", source="[D] margin form", expect=PROVED, witness=steady(139 * PER_WORD),
 )  # fmt: skip
 def brakes_one_word_above(s: Seen) -> Bit:
@@ -79,7 +72,7 @@ def brakes_one_word_above(s: Seen) -> Bit:
 
 
 @claim(
-    Bench, given=wheel_set_right, lemmas=[LATCH, surplus("a", 16, brake_frames(16))],
+    Bench, given=wheel_set_right, 
     requirement="TS7-3", source="[D] margin form", expect=PROVED, witness=steady(154 * PER_WORD),
 )  # fmt: skip
 def brakes_sixteen_words_above(s: Seen) -> Bit:
@@ -97,7 +90,7 @@ def brakes_sixteen_words_above_in_half_the_time(s: Seen) -> Bit:
 
 
 @claim(
-    Bench, given=wheel_set_right, lemmas=[LATCH, deficit("a", 4, brake_frames(4))],
+    Bench, given=wheel_set_right, 
     requirement="TS7-3", source="[D] margin form", expect=PROVED, witness=steady(134 * PER_WORD),
 )  # fmt: skip
 def releases_four_words_below(s: Seen) -> Bit:
@@ -111,7 +104,7 @@ def never_below_the_limit(s: Seen) -> Bit:
 
 
 @claim(
-    Bench, anywhere=True, start=LATCH, given=never_below_the_limit, lemmas=[LATCH, surplus_of_sum()],
+    Bench, anywhere=True, start=LATCH, given=never_below_the_limit, 
     requirement="TS7-3", source="[D] integral form", expect=PROVED, witness=steady(142 * PER_WORD),
 )  # fmt: skip
 def brakes_after_an_area_of_excess(s: Seen) -> Bit:
@@ -133,11 +126,10 @@ def brakes_after_half_the_area(s: Seen) -> Bit:
 
 ABOVE = min(at_least_kmh(v + 2) - PER_WORD * WORD[v] for v in SPEEDS)  # least excess, 1/4096 word (4.18 words, at 65)
 BELOW = min(PER_WORD * WORD[v] - at_most_kmh(v - 2) for v in SPEEDS)  # least lack, 1/4096 word (3.75 words, at 45)
-RISING, FALLING = rising(two_above, ABOVE, frames_for(ABOVE)), falling(two_below, BELOW, frames_for(BELOW))
 
 
 @claim(
-    Bench, given=wheel_set_right, lemmas=[LATCH, RISING], witness=steady(at_least_kmh(67)),
+    Bench, given=wheel_set_right, witness=steady(at_least_kmh(67)),
     requirement="TS7-3", source="[P] accuracy; time [D]", expect=PROVED,
 )  # fmt: skip
 def brakes_two_kmh_above(s: Seen) -> Bit:
@@ -155,7 +147,7 @@ def brakes_two_kmh_above_in_a_quarter_second(s: Seen) -> Bit:
 
 
 @claim(
-    Bench, given=wheel_set_right, lemmas=[LATCH], witness=steady(at_least_kmh(67)), steps=4,
+    Bench, given=wheel_set_right, witness=steady(at_least_kmh(67)), steps=4,
     requirement="TS7-3", source="[P] 0.3 s", expect=PROVED,
 )  # fmt: skip
 def brakes_within_the_printed_response(s: Seen) -> Bit:
@@ -173,7 +165,7 @@ def brakes_within_2065_frames(s: Seen) -> Bit:
 
 
 @claim(
-    Bench, given=wheel_set_right, lemmas=[LATCH, FALLING], witness=steady(at_most_kmh(63)),
+    Bench, given=wheel_set_right, witness=steady(at_most_kmh(63)),
     requirement="TS7-3", source="[P] accuracy; time [D]", expect=PROVED,
 )  # fmt: skip
 def releases_two_kmh_below(s: Seen) -> Bit:
@@ -203,7 +195,7 @@ def each_signal_in_turn():
 
 
 @claim(
-    Bench, given=wheel_set_right, lemmas=[LATCH], witness=each_signal_in_turn(), steps=4,
+    Bench, given=wheel_set_right, witness=each_signal_in_turn(), steps=4,
     requirement="TS7-3", source="[P] 0.3 s", expect=PROVED,
 )  # fmt: skip
 def releases_within_the_printed_response(s: Seen) -> Bit:
@@ -295,7 +287,7 @@ def no_word(s: Seen) -> Bit:
 
 @claim(
     Bench, anywhere=True, start=LATCH, given=no_word, symbolic=["a.offset", "a.lowering"],
-    lemmas=[LATCH, counter_has_the_pulses], witness=steady(at_least_kmh(2), 0, 172),
+    witness=steady(at_least_kmh(2), 0, 172),
     requirement="TS7-2", source="[P] 1.1", expect=PROVED,
 )  # fmt: skip
 def brakes_without_signal_after_three_pulses(s: Seen) -> Bit:
@@ -351,7 +343,7 @@ AHEAD, BEHIND = (172 * SCALE - 1, 255, 0, 0), (0, 0, 255, 15)  # phases with the
 
 
 @claim(
-    Bench, anywhere=True, start=counter_empty, given=never_above_the_limit, lemmas=[stays_free()],
+    Bench, anywhere=True, start=counter_empty, given=never_above_the_limit, 
     requirement="TS7-6", source="[D]", expect=PROVED,
 )  # fmt: skip
 def never_brakes_falsely(s: Seen) -> Bit:
@@ -378,7 +370,7 @@ def two_counts_would_do(s: Seen) -> Bit:
 
 
 @claim(
-    Bench, anywhere=True, start=counter_full, given=never_below_the_limit, lemmas=[stays_braked()],
+    Bench, anywhere=True, start=counter_full, given=never_below_the_limit, 
     requirement="TS7-6", source="[D]", expect=PROVED,
 )  # fmt: skip
 def never_releases_falsely(s: Seen) -> Bit:

@@ -174,7 +174,7 @@ def window_of_a_is_right(s: Seen) -> Bit:
 
 
 @claim(Ts7, faults=any_of_faults([A_FAST]), start=window_of_a_is_right, anywhere=True, expect=PROVED,
-       lemmas=[window_of_a_is_right], requirement="TS7-16", source="[R] all rates from one oscillator")  # fmt: skip
+       requirement="TS7-16", source="[R] all rates from one oscillator")  # fmt: skip
 def the_window_is_blind_to_drift(s: Seen) -> Bit:
     """Own oscillator fast: the check window never finds it."""
     return ~s.a.fault

@@ -159,31 +159,6 @@ def surplus(channel: str = "a", words: int = 1, ticks: int = BRAKE_AREA, broken:
     return rising(named(f"overspeed by {words} words", over), PER_WORD * words, ticks, channel)
 
 
-def deficit(channel: str = "a", words: int = 1, ticks: int = BRAKE_AREA) -> Formula:
-    """Underspeed by `words` releases or lowers the potential by that a frame."""
-    under = named(f"underspeed by {words} words", lambda s: underspeed(s, channel, words))
-    return falling(under, PER_WORD * words, ticks, channel)
-
-
 def sum_of_excess(s: Seen, channel: str = "a") -> Int:
     """Sum of the excess over all steps so far, where it is above 0; counted up to just above EXCESS_AREA."""
     return total(excess(s, channel).clip(0, 2**24 - 1).sat(24), 2**27).int()
-
-
-def surplus_of_sum(channel: str = "a") -> Formula:
-    """For speeds never below the limit: the channel brakes, or the sum of the excess is in the potential."""
-
-    def lemma(s: Seen) -> Bit:
-        return braked_and_ahead(s, channel) | (potential(s, channel) >= sum_of_excess(s, channel) - REFERENCE_FRACTION)
-
-    return named(f"the sum of the excess: {channel} brakes or its potential has risen by it", lemma)
-
-
-def stays_free(channel: str = "a", race: Race = BRAKE) -> Formula:
-    """For speeds never above the limit: once free and behind, it stays so."""
-    return named(f"{channel}.{race.counter} stays free and behind", lambda s: free_and_behind(s, channel, race))
-
-
-def stays_braked(channel: str = "a", race: Race = BRAKE) -> Formula:
-    """For speeds never below the limit: once latched and ahead, it stays so."""
-    return named(f"{channel}.{race.counter} stays latched and ahead", lambda s: braked_and_ahead(s, channel, race))

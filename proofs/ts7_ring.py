@@ -118,14 +118,8 @@ def check_word_is_85(s: Seen) -> Bit:
     return s.d2 == CHECK_WORD
 
 
-def count_of_checks(s: Seen) -> Bit:
-    """256 * overflows of J2 + phase - 85 * frames stays what the phase was at the start."""
-    rest = 256 * total(s.o2.word(), LONG).int() + s.j2.int() - 85 * frames(s)
-    return implies(frames(s) < LONG, (rest >= 0) & (rest <= 255))
-
-
 @claim(
-    Words, anywhere=True, given=check_word_is_85, lemmas=[count_of_checks],
+    Words, anywhere=True, given=check_word_is_85, 
     requirement="TS7-4", source="[D]", expect=PROVED, witness=Scenario(300, {"d2": CHECK_WORD}),
 )  # fmt: skip
 def check_word_overflows_85_times_in_256_frames(s: Seen) -> Bit:
@@ -141,14 +135,8 @@ def way(s: Seen) -> Int:
     return total(s.speed.sat(24), PULSE * LONG).int()
 
 
-def pulses_and_fractions_are_the_way(s: Seen) -> Bit:
-    """The way is in the f_v pulses, the wheel correction and the axle's phase, but for the fractions at the start."""
-    rest = PULSE * total(s.a.f_v.word(), LONG).int() + SCALE * s.a.ring.j1.int() + s.axle.phase - way(s)
-    return implies(way(s) < PULSE * LONG, (rest >= 0) & (rest <= SPEED_FRACTION))
-
-
 @claim(
-    Bench, given=wheel_set_right, lemmas=[pulses_and_fractions_are_the_way],
+    Bench, given=wheel_set_right, 
     requirement="TS7-5", source="[P] nine steps; words diameter / 5 mm [A]", expect=PROVED,
 )  # fmt: skip
 def way_of_a_pulse_is_the_same_for_all_wheels(s: Seen) -> Bit:

@@ -14,11 +14,8 @@ from proofs.ts7_formulas import (
     ROLL_BACK,
     at_least_kmh,
     at_most_kmh,
-    falling,
     frames_for,
     latch_at_the_ends,
-    rising,
-    stays_free,
     wheel_set_right,
 )
 from safety import PROVED, REFUTED, Bit, Scenario, Seen, claim, implies, persists
@@ -46,12 +43,10 @@ def slow(s: Seen) -> Bit:
 
 ABOVE = at_least_kmh(8) - PER_WORD * ROLLBACK_WORD
 BELOW = PER_WORD * ROLLBACK_WORD - at_most_kmh(4)
-RISING = rising(fast, ABOVE, frames_for(ABOVE), race=ROLL_BACK)
-FALLING = falling(slow, BELOW, frames_for(BELOW), race=ROLL_BACK)
 
 
 @claim(
-    Bench, given=wheel_set_right, lemmas=[LATCH, RISING], witness=rolls_back(at_least_kmh(8)),
+    Bench, given=wheel_set_right, witness=rolls_back(at_least_kmh(8)),
     requirement="TS7-13", source="[P] upper end of 6.0 +- 2.0; time [D]", expect=PROVED,
 )  # fmt: skip
 def reports_eight_backward(s: Seen) -> Bit:
@@ -69,7 +64,7 @@ def reports_five_backward(s: Seen) -> Bit:
 
 
 @claim(
-    Bench, given=wheel_set_right, lemmas=[LATCH], witness=rolls_back(at_least_kmh(8)), steps=4,
+    Bench, given=wheel_set_right, witness=rolls_back(at_least_kmh(8)), steps=4,
     requirement="TS7-13", source="[P] 0.3 s", expect=PROVED,
 )  # fmt: skip
 def reports_eight_backward_within_the_printed_response(s: Seen) -> Bit:
@@ -98,7 +93,7 @@ def never_above_four(s: Seen) -> Bit:
 
 
 @claim(
-    Bench, given=never_above_four, symbolic=["a.rollback_word"], lemmas=[stays_free(race=ROLL_BACK)],
+    Bench, given=never_above_four, symbolic=["a.rollback_word"], 
     requirement="TS7-13", source="[P] lower end of 6.0 +- 2.0", expect=PROVED,
 )  # fmt: skip
 def below_four_is_no_roll_back(s: Seen) -> Bit:
@@ -121,7 +116,7 @@ def below_five_and_a_half_is_no_roll_back(s: Seen) -> Bit:
 
 
 @claim(
-    Bench, given=wheel_set_right, lemmas=[LATCH, FALLING], witness=rolls_back(at_most_kmh(4)),
+    Bench, given=wheel_set_right, witness=rolls_back(at_most_kmh(4)),
     requirement="TS7-13", source="[D]", expect=PROVED,
 )  # fmt: skip
 def report_ends_below_four(s: Seen) -> Bit:

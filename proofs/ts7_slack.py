@@ -8,14 +8,19 @@ Source: isolation of the channel that stands alone, lowering, AC drive [P]; rule
 
 from __future__ import annotations
 
+from models.ts7.power import Power
 from models.ts7.ring import Ring
+from models.ts7.signals import Selection
+from models.ts7.system import Ts7
 from models.ts7.threshold import Thresholds
 from models.ts7.train import Bench
 from models.ts7.voting import CommonPart
+from proofs.ts7_boundaries import A_BRAKES_FIRST, OFFSETS
 from proofs.ts7_brake_chain import CHANNELS, RELEASE
 from proofs.ts7_formulas import Formula, named
 from proofs.ts7_thresholds import LIMITS
 from safety import (
+    BITS,
     PROVED,
     REFUTED,
     Bit,
@@ -216,3 +221,117 @@ def ring_powers_up_without_pulses(s: Seen) -> Bit:
 def ring_stays_at_the_first_bit(s: Seen) -> Bit:
     """The first bit of a frame comes all the time."""
     return s.place == 0
+
+
+WORDS = range(4)
+
+
+def held_since_its_word(s: Seen) -> Bit:
+    """Lemma: a held pulse came at the last bit of its word in this frame."""
+    return all_of(*(implies(s[f"held{w}"], (s.place >= 8 * w + 8) | (s.place == 0)) for w in WORDS))
+
+
+FULL = {"d0": 255, "d1": 255, "d2": 255, "d3": 255}
+
+
+@claim(Ring, expect=PROVED, lemmas=[held_since_its_word], arithmetic=BITS, requirement="TS7-4",
+       source="[P] overflow pulses", witness=Scenario(40, {**FULL, "pulse": True}, {"ring": 2**32 - 1}))  # fmt: skip
+def pulses_come_just_with_the_last_carry(s: Seen) -> Bit:
+    """A word's pulse comes just with the carry of its last bit, for J1 at a speed pulse only, and stays for the frame.
+
+    This is so at every bit time, whatever the data and the speed pulse do within a frame.
+    """
+    counts = [s["carry.out"] & (s.pulse if w == 1 else bit(True)) for w in WORDS]
+    comes = [(s.place == 8 * w + 7) & counts[w] for w in WORDS]
+    exact = (s[f"o{w}"] == ((s[f"held{w}"] & (s.place != 0)) | comes[w]) for w in WORDS)
+    return all_of(*exact, *(implies(s[f"o{w}"], s.place >= 8 * w + 7) for w in WORDS))
+
+
+@claim(Ring, expect=REFUTED, requirement="TS7-4", twin_of=pulses_come_just_with_the_last_carry,
+       scenario=Scenario(40, {**FULL, "pulse": lambda k: k < 15}, {"ring": 2**32 - 1}))  # fmt: skip
+def no_carry_without_a_pulse(s: Seen) -> Bit:
+    """Every carry out of the last bit of J1 gives a pulse, whether the speed pulse is still there or not."""
+    return implies((s.place == 15) & s["carry.out"], s.o1)
+
+
+# --- signals and power ----------------------------------------------------------------------------------------------
+
+LINES = ("s0", "s25", "s45", "s65", "s75", "s90")  # from the lowest signal up
+SHOWN = (0, 53, 95, 138, 159, 191)  # their words
+
+
+def lowest(s: Seen, name: str) -> Bit:
+    """The line is active and none of a lower signal is."""
+    lower = LINES[: LINES.index(name)]
+    return s.lines[name] & all_of(*(~s.lines[other] for other in lower))
+
+
+@claim(Selection, expect=PROVED, requirement="TS7-2", source="[P] data matrix; the words [D]")
+def lowest_signal_gives_its_word(s: Seen) -> Bit:
+    """The word is just that of the lowest active line, and 0 where no line is active."""
+    shown = (implies(lowest(s, name), s.word == datum) for name, datum in zip(LINES, SHOWN, strict=True))
+    return all_of(*shown, implies(~any_of(*(s.lines[name] for name in LINES)), s.word == 0))
+
+
+@claim(Selection, expect=REFUTED, requirement="TS7-2", twin_of=lowest_signal_gives_its_word)
+def every_active_signal_gives_its_word(s: Seen) -> Bit:
+    """The word is that of every active line.  Two may be active: the lower one wins."""
+    return all_of(*(implies(s.lines[name], s.word == datum) for name, datum in zip(LINES, SHOWN, strict=True)))
+
+
+def failed_for(s: Seen, gap: UInt | int) -> Bit:
+    """The inverter has failed at some time before for the frames of the gap, in one piece."""
+    return once(~s.inverter & (age(~s.inverter, 1023) + 1 >= gap))
+
+
+def counts_any_gap(s: Seen) -> Bit:
+    """Lemma: the counter is the time without inverter, the latch says that the gap has passed once."""
+    return (s.missing == age(~s.inverter, 1023)) & (s.standby == failed_for(s, s.gap))
+
+
+@claim(Power, symbolic=["gap"], expect=PROVED, lemmas=[counts_any_gap], requirement="TS7-15",
+       source="automatic change-over [P]; it stays [A]")  # fmt: skip
+def changes_over_once_just_after_the_gap(s: Seen) -> Bit:
+    """From the inverter until it has failed for the gap, in one piece; from then on the motor-generator for ever."""
+    return (s.supply == select(failed_for(s, s.gap), s.mg, s.inverter)) & (s.missing == age(~s.inverter, 1023))
+
+
+@claim(Power, symbolic=["gap"], expect=REFUTED, requirement="TS7-15", twin_of=changes_over_once_just_after_the_gap)
+def goes_back_to_the_inverter(s: Seen) -> Bit:
+    """There is supply wherever the inverter delivers.  Once changed over, only the motor-generator counts."""
+    return implies(s.inverter, s.supply)
+
+
+def counts_400_frames(s: Seen) -> Bit:
+    """Lemma: the same for the gap of 400 frames."""
+    return (s.missing == age(~s.inverter, 1023)) & (s.standby == failed_for(s, 400))
+
+
+@claim(Power, expect=PROVED, lemmas=[counts_400_frames], requirement="TS7-15", source="50 ms [A]")
+def changes_over_after_400_frames(s: Seen) -> Bit:
+    """As delivered the gap is 400 frames: 50 ms."""
+    return s.supply == select(failed_for(s, 400), s.mg, s.inverter)
+
+
+@claim(Power, expect=REFUTED, requirement="TS7-15", twin_of=changes_over_after_400_frames,
+       scenario=Scenario(500, {"mg": True}))  # fmt: skip
+def never_changes_over(s: Seen) -> Bit:
+    """Without inverter there is no supply."""
+    return implies(~s.inverter, ~s.supply)
+
+
+# --- what connects the parts ----------------------------------------------------------------------------------------
+
+
+@claim(Ts7, symbolic=OFFSETS, expect=PROVED, requirement="TS7-8", source="[P] the limits of the others are lowered")
+def lowered_just_in_a_window_of_others(s: Seen) -> Bit:
+    """A channel's limit is lowered just while a window is open that it did not open."""
+    window = s.common.sync.window
+    return all_of(*(s[n].lowered == ~(~window.open | window[f"first_{n}"]) for n in CHANNELS))
+
+
+@claim(Ts7, symbolic=OFFSETS, expect=REFUTED, requirement="TS7-8", twin_of=lowered_just_in_a_window_of_others,
+       scenario=A_BRAKES_FIRST)  # fmt: skip
+def lowered_in_every_window(s: Seen) -> Bit:
+    """Every channel's limit is lowered while a window is open, that of the first to brake too."""
+    return all_of(*(s[n].lowered == s.common.sync.window.open for n in CHANNELS))

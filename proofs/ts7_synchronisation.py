@@ -71,7 +71,7 @@ def no_fault_found(s: Seen) -> Bit:
     return ~any_of(s["a.fault"], s["b.fault"], s["c.fault"])
 
 
-@claim(CommonPart, symbolic=T_SYNC, expect=PROVED, lemmas=[windows_in_order], requirement="TS7-10",
+@claim(CommonPart, symbolic=T_SYNC, expect=PROVED, requirement="TS7-10",
        source="[P] 1.6, gaps filled [R]", witness=Scenario(steps=2000, start={"sync.frames": 4000}, inputs={
            "supply": True, "b.drive": True, "c.drive": True, "a.drive": lambda k: k < 1000}))  # fmt: skip
 def only_channels_that_follow_late_are_lowered(s: Seen) -> Bit:
@@ -80,7 +80,7 @@ def only_channels_that_follow_late_are_lowered(s: Seen) -> Bit:
     return implies(any_of(*lowered), s.synchronising & ~all_of(*lowered) & ~any_of(*three(s.sync, "cut_")))
 
 
-@claim(CommonPart, given=no_fault_found, symbolic=T_SYNC, expect=PROVED, lemmas=[windows_in_order, at_most_one_cut],
+@claim(CommonPart, given=no_fault_found, symbolic=T_SYNC, expect=PROVED, 
        requirement="TS7-14", source="[P] no further synchronisation after an isolation")  # fmt: skip
 def synchronisation_isolates_at_most_one(s: Seen) -> Bit:
     """Whatever the channels do, synchronisation isolates one of them at most."""

@@ -151,11 +151,6 @@ def spread_within(s: Seen, most: Fraction | int) -> Bit:
     return all_of(*(one - other <= most for one in limits for other in limits))
 
 
-def all_in_service(s: Seen) -> Bit:
-    """No channel is isolated."""
-    return ~any_of(s.cut_a, s.cut_b, s.cut_c)
-
-
 def limits_within_two(s: Seen) -> Bit:
     """The limits of the three channels lie within 2.0 km/h of each other."""
     return spread_within(s, 2)
@@ -166,7 +161,7 @@ def limits_within_two_and_a_tenth(s: Seen) -> Bit:
     return spread_within(s, Fraction(21, 10))
 
 
-@claim(Thresholds, given=limits_within_two, symbolic=LIMITS, expect=PROVED, lemmas=[all_in_service],
+@claim(Thresholds, given=limits_within_two, symbolic=LIMITS, expect=PROVED, 
        requirement="TS7-10", source="[D] spread up to the lowering")  # fmt: skip
 def nobody_isolated_within_two(s: Seen) -> Bit:
     """All healthy, limits within 2.0 km/h of each other: no window ever isolates a channel."""
@@ -181,13 +176,8 @@ def nobody_isolated_within_two_and_a_tenth(s: Seen) -> Bit:
     return ~any_of(s.cut.a, s.cut.b, s.cut.c)
 
 
-def braking_ones_in_service(s: Seen) -> Bit:
-    """Only a channel that never brakes has been isolated."""
-    return all_of(*(has(s, f"channel {n} never brakes") | ~s[f"cut_{n}"] for n in "abc"))
-
-
 @claim(Thresholds, faults=at_most(1, SILENT), given=limits_within_two, symbolic=LIMITS, expect=PROVED,
-       lemmas=[braking_ones_in_service], requirement="TS7-10", source="[D] spread up to the lowering")  # fmt: skip
+       requirement="TS7-10", source="[D] spread up to the lowering")  # fmt: skip
 def a_silent_channel_isolates_itself_only(s: Seen) -> Bit:
     """Limits within 2.0 km/h, one channel that never brakes: no healthy channel is isolated."""
     return all_of(*(has(s, f"channel {n} never brakes") | ~s.cut[n] for n in "abc"))
@@ -230,7 +220,7 @@ def at_most_one_cut(s: Seen) -> Bit:
     return count(s.cut_a, s.cut_b, s.cut_c) <= 1
 
 
-@claim(Thresholds, faults=at_most(3, ARBITRARY), symbolic=LIMITS, expect=PROVED, lemmas=[at_most_one_cut],
+@claim(Thresholds, faults=at_most(3, ARBITRARY), symbolic=LIMITS, expect=PROVED, 
        requirement="TS7-14", source="[P] no synchronisation after an isolation")  # fmt: skip
 def synchronisation_isolates_at_most_one(s: Seen) -> Bit:
     """Whatever the channels do, synchronisation isolates one of them at most, and never asks for EB by that."""

@@ -45,7 +45,7 @@ def run(args: Namespace) -> int:
         print(_told(report), file=sys.stderr)
     if args.json:
         write_plain({"certificates": reports}, args.json)
-    return check.worst(report["verdict"] for report in reports)
+    return check.EXIT[check.worst(report["verdict"] for report in reports)]
 
 
 def _compare(reports: list[dict[str, Any]], args: Namespace) -> None:

@@ -42,12 +42,17 @@ class Earlier:
         return [item for section in sections for item in self.all if item.section == section]
 
     def entry(self, item: Item) -> dict[str, Any] | None:
-        """The entry of an item, unless it has to be worked out (also for a waveform, or in order up to the first)."""
+        """The entry of an item, unless it has to be worked out (also for its files, or in order up to the first)."""
         if self.args.first or item.id in self.again:
             return None
         found = self.snapshot.entry(item, self.timeout)
         waveform = getattr(self.args, "vcd", None) and found and found.get("counterexample")
-        return None if waveform else found
+        if not found or waveform:
+            return None
+        made = found.get("certificate") or {}
+        if getattr(self.args, "certify", None):
+            return None if found.get("verdict") == "proved" and not item.is_bound else found
+        return found | {"certificate": None} if "file" in made else found
 
     def chosen(self, project: Project, chosen: list[Item]) -> list[Item]:
         """What --changed leaves; --recheck draws its share of the claims that have a result."""

@@ -7,6 +7,7 @@ import time
 import traceback
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from safety.commands.recall import SCRIPTED, folder, recalled
@@ -34,6 +35,7 @@ class Order:
     timeout: float = 60.0
     settings: Mapping[str, Value] = field(default_factory=dict)
     vcd: bool = False
+    certify: str = ""  # the folder for certificates
     traceback: bool = False
     cache: bool = False
     again: Sequence[str] = ()  # claims to prove and to compare with what the cache says
@@ -151,9 +153,13 @@ def _claim(project: Project, item: Item, order: Order, note: Note) -> Answer:
     claim = find(project.claims, item.id)
     problem = stated(claim, fitting_claim(claim, order.settings))
     cache = Cache(folder(project.root), _warn) if order.cache else None
-    found = recalled(cache, problem, Limits(order.timeout), item.id in order.again)
+    found = recalled(cache, problem, Limits(order.timeout), item.id in order.again, note)
     outcome = found.outcome
     entry, trace = claim_entry(outcome) | found.marks, outcome.counterexample
+    if order.certify:
+        from safety.commands.certify import certified
+
+        entry["certificate"] = certified(outcome, Path(order.certify), order.timeout, note, _warn)
     if trace is None:
         return Answer(item, entry)
     given = None if outcome.method.startswith(SCRIPTED) else stimulus(trace)  # a script stands in the proof file
@@ -215,8 +221,6 @@ def _warn(text: str) -> None:
 
 def _problem(project: Project, item: Item, error: Exception) -> Problem:
     """At the line of the project's own code that failed, else where the claim or hazard is written."""
-    from pathlib import Path
-
     place, line = None, 1
     if item.is_bound:
         bound = find(project.bounds, item.id)

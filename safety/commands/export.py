@@ -105,6 +105,8 @@ def _problem(args: Namespace) -> Problem:
     for trouble in project.problems:
         print(f"x {trouble}", file=sys.stderr)
     claims = {claim.id: claim for claim in project.claims}
+    if any(bound.id == args.claim for bound in project.bounds):
+        raise CommandError(f"{args.claim} is a bound over reals, without a model that could be exported")
     if args.claim not in claims:
         raise CommandError(f"no claim {args.claim!r}; {nearest(args.claim, claims)}")
     claim = claims[args.claim]

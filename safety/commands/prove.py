@@ -17,6 +17,7 @@ rightside prove -k "voting and not two"   those whose id, model or requirement c
 rightside prove --req TS7-7 -x            those for a requirement, up to the first that is not as asked
 rightside prove --lf --timeout 300        those that failed the last time, with more time
 rightside prove --set k=120 --vcd waves   with another parameter; waveforms of what is refuted
+rightside prove --certify certificates    a certificate of each proof, for `rightside check`
 rightside prove --mutants -k threshold    would these claims notice if the model said something else?
 """
 
@@ -28,6 +29,9 @@ def add_arguments(parser: ArgumentParser) -> None:
     options.add_cache(parser)
     parser.add_argument(
         "--vcd", metavar="DIR", help="write the run of each refuted claim as a waveform into this folder"
+    )
+    parser.add_argument(
+        "--certify", metavar="FOLDER", help="write a certificate of each proved claim into this folder, <id>.cert.zip"
     )
     parser.add_argument(
         "--mutants", action="store_true",

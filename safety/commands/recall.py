@@ -18,12 +18,12 @@ from safety.prove.cache import Cache, prover
 from safety.report.schema import Entry
 
 if TYPE_CHECKING:
-    from safety.prove.problem import Problem
+    from safety.prove.problem import Problem, Progress
     from safety.prove.prove import Limits, Outcome
     from safety.trace import Trace
 
 FOLDER = ".rightside/cache"
-SCRIPTED = "scripted scenario"
+SCRIPTED, SEARCHED = "scripted scenario", "bounded search, replayed"  # methods
 _NOT_KEPT = {"claim", "problem", "counterexample"}
 started_with = functools.cache(prover)  # what this process loaded; a worker asks first of all
 
@@ -37,11 +37,15 @@ class Recalled(NamedTuple):
 
     @property
     def differs(self) -> bool:
-        """Whether the two say different things; that one of them was left undecided is no difference."""
+        """Whether the two say different things; that one of them was left undecided is no difference.
+
+        Nor are two runs, unless both are the smallest one there is.
+        """
         before, now = self.before, self.outcome
         if before is None or now.verdict == "undecided":
             return False
-        runs = [each.counterexample and each.counterexample.columns for each in (before, now)]
+        smallest = before.method == now.method == SEARCHED
+        runs = [each.counterexample.columns if smallest and each.counterexample else None for each in (before, now)]
         return before.verdict != now.verdict or runs[0] != runs[1]
 
     @property
@@ -73,17 +77,22 @@ def key_of(problem: Problem, limits: Limits) -> str | None:
         return None
 
 
-def recalled(cache: Cache | None, problem: Problem, limits: Limits, again: bool = False) -> Recalled:
-    """The outcome for a problem; `again`: worked out in any case, and compared with an earlier one."""
+def recalled(
+    cache: Cache | None, problem: Problem, limits: Limits, again: bool = False, say: Progress | None = None
+) -> Recalled:
+    """The outcome for a problem; `again`: worked out in any case, and compared with an earlier one.
+
+    `say` is told what is being tried.
+    """
     from safety.prove.prove import decide
 
     if cache is None:
-        return Recalled(decide(problem, limits))
+        return Recalled(decide(problem, limits, say))
     key = key_of(problem, limits)
     before = _restored(cache, problem, cache.get(key), limits) if key else None
     if before is not None and not again:
         return Recalled(before, cached=True)
-    found = Recalled(decide(problem, limits), before=before)
+    found = Recalled(decide(problem, limits, say), before=before)
     record = _record(found.outcome, problem, limits)
     if key and found.differs:  # neither can be relied on
         cache.drop(key)

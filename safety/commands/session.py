@@ -64,6 +64,7 @@ class Session:
         config, args = self.project.config, self.args
         settings = {**config.settings, **dict(args.settings)}
         order = Order(args.timeout or config.timeout, settings, bool(getattr(args, "vcd", None)), args.traceback)
+        order.certify = getattr(args, "certify", None) or ""
         if self.earlier:
             order.cache, order.again = True, self.earlier.again
         if not (self.earlier and self.earlier.known):
@@ -262,6 +263,8 @@ def work(args: Namespace, *sections: str, tables: bool = False, whole: bool = Fa
         probe(Path(args.json))
     if getattr(args, "vcd", None):
         probe(Path(args.vcd, "*.vcd"))
+    if getattr(args, "certify", None):
+        probe(Path(args.certify, "*.cert.zip"))
     session = start(args, sections, whole)
     session.tables = tables
     if whole:

@@ -12,7 +12,7 @@ import hashlib
 import json
 import time
 import zipfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -24,6 +24,11 @@ from safety.system import ANY, ModelError
 from safety.terms.graph import Sort, Term, postorder
 
 CAP = 60.0  # seconds for the bit-level proof of one obligation
+REALS = "reals have no bit level"
+
+
+class NotSo(ModelError):
+    """What is to be certified does not hold."""
 
 
 @dataclass(frozen=True)
@@ -37,17 +42,23 @@ class Summary:
 
     @property
     def complete(self) -> bool:
-        """Whether every obligation has its bit-level proof."""
-        return not any(self.missing.values())
+        """Whether every obligation that has a bit level has its proof there."""
+        return {*self.missing.values()} <= {"", REALS}
+
+    @property
+    def kind(self) -> str:
+        """`bits`, or `real` where reals leave an obligation without a bit level."""
+        return "real" if REALS in self.missing.values() else "bits"
 
 
 def write_certificate(
-    problem: Problem, depth: int, path: Path, *, agreed_by: Sequence[str] = (), timeout: float = CAP
-) -> Summary:
+    problem: Problem, depth: int, path: Path, *, agreed_by: Sequence[str] = (), timeout: float = CAP,
+    say: Callable[[str], None] = lambda text: None,
+) -> Summary:  # fmt: skip
     """Write the certificate that the problem's lemmas and an induction of a depth prove its claim.
 
-    `timeout` is in seconds for the bit-level proof of each obligation.  Raises `ModelError` where the clauses of an
-    obligation are satisfiable (the lemmas are not what was claimed), or a name or a size is beyond the form.
+    `timeout` is in seconds for the bit-level proof of each obligation; `say` is told which one is at work.  Raises
+    `NotSo` where the clauses of an obligation are satisfiable, `ModelError` where a name or a size is beyond the form.
     """
     began = time.perf_counter()
     text = described(problem, depth)
@@ -58,10 +69,12 @@ def write_certificate(
         raise ModelError(f"{problem.claim.id} cannot be certified: {error}") from None
     files: dict[str, str] = {}
     missing: dict[str, str] = {}
-    for i, one in enumerate(check.obligations(certificate), 1):
+    wanted = check.obligations(certificate)
+    for i, one in enumerate(wanted, 1):
+        say(f"certificate: obligation {i} of {len(wanted)}")
         files[f"{i}.smt2"] = check.smt(certificate, one)
         clauses = check.clauses(certificate, one)
-        note = "reals have no bit level"
+        note = REALS
         if clauses is not None:
             files[f"{i}.cnf"] = check.dimacs(one.label, clauses)
             try:
@@ -70,7 +83,7 @@ def write_certificate(
                 files[f"{i}.lrat"] = proof
             except NoProof as none:
                 if none.satisfiable:
-                    raise ModelError(f"{problem.claim.id}: {one.label}: not so in bits; nothing to certify") from None
+                    raise NotSo(f"{problem.claim.id}: {one.label}: not so in bits; nothing to certify") from None
                 note = f"bit level: {none}"
             except check.Rejected as error:
                 note = f"bit level: cvc5's proof is wrong: {error}"

@@ -1,4 +1,4 @@
-"""Check a certificate of a proof: one file that needs Python, z3 and cvc5, and nothing of rightside.
+"""Check certificates of proofs: one file that needs Python, z3 and cvc5, and nothing else.
 
     python check.py [--timeout SECONDS] FILE...
 
@@ -37,7 +37,6 @@ CHECKED, REAL, WEAKER, UNDECIDED, REJECTED = "checked", "checked (real)", "weake
 UNREADABLE, DISAGREE = "not a certificate", "engines disagree"
 EXIT = {CHECKED: 0, REAL: 0, WEAKER: 4, UNDECIDED: 3, REJECTED: 1, UNREADABLE: 2, DISAGREE: 6}  # best first
 MOST_BYTES, MOST_NODES, MOST_BITS, MOST_GATES, MOST_STEPS, MOST_TERMS = 1 << 28, 100_000, 512, 2_000_000, 1000, 4096
-TRUE, FALSE = 1, -1
 
 
 class Malformed(Exception):
@@ -48,8 +47,7 @@ class Rejected(Exception):
     """The certificate does not prove what it says."""
 
 
-def need(condition: object, place: str, expected: str) -> None:
-    """Refuse the file unless the condition is met."""
+def _need(condition: object, place: str, expected: str) -> None:
     if not condition:
         raise Malformed(f"{place}: expected {expected}"[:500])
 
@@ -65,21 +63,16 @@ class Sort(NamedTuple):
     high: int = 1
 
     @property
-    def whole(self) -> bool:
-        """Whether its values are whole numbers."""
-        return self.kind in ("word", "int")
-
-    @property
     def bits(self) -> int:
-        """Bits in two's complement, the sign included."""
-        return 1 + max((b if b >= 0 else -b - 1).bit_length() for b in (self.low, self.high))
+        """Bits in two's complement, the sign included; 0 where the values are no whole numbers."""
+        return 1 + max(self.high, ~self.low).bit_length() if self.kind in ("word", "int") else 0
 
 
 class Node(NamedTuple):
     """A term."""
 
     op: str
-    args: tuple[int, ...]
+    args: list[int]
     attr: Any
     sort: Sort
 
@@ -107,9 +100,25 @@ class Certificate(NamedTuple):
     integers: bool
 
 
-LOGIC, WORDS = ("not", "and", "or", "xor", "implies"), ("band", "bor", "bxor", "concat", "div", "mod")
-ARITY = dict.fromkeys((*LOGIC, *WORDS, "add", "sub", "mul", "eq", "lt", "le"), 2) | {"const": 0, "var": 0, "select": 3}
-ARITY |= dict.fromkeys(("point", "not", "cast", "clip", "slice", "bit", "div", "mod"), 1)
+SHAPE: Any = {  # a list of one shape has any number of entries, a tuple just its own
+    **dict.fromkeys(("format", "arithmetic"), str) | dict.fromkeys(("depth", "given", "start", "holds"), int),
+    "claim": {"id": str, "statement": str, "faults": [str], "sha256": str},
+    "model": {"name": str, "sha256": str},
+    "nodes": [(str, [int], object, str)],
+    "registers": [(str, int, int, object)],
+    "lemmas": [(str, int)],
+    "obligations": [(str, str)],
+    "inputs": [str],
+    "agreed_by": [str],
+}
+SIGNATURES = {  # initials of the kinds of arguments and result; n is a word or an int
+    **dict.fromkeys(("const", "var"), ">b|>r|>n") | {"point": "b>b|r>r|n>n", "select": "bbb>b|brr>r|bnn>n"},
+    **dict.fromkeys(("and", "or", "xor", "implies"), "bb>b") | {"not": "b>b", "bit": "n>b", "eq": "bb>b|rr>b|nn>b"},
+    **dict.fromkeys(("lt", "le"), "rr>b|nn>b") | dict.fromkeys(("add", "sub", "mul"), "rr>r|nn>n"),
+    **dict.fromkeys(("clip", "slice"), "n>n") | {"cast": "n>n|n>r", "concat": "ww>w", "div": "w>w", "mod": "w>w"},
+    **dict.fromkeys(WORDWISE := ("band", "bor", "bxor"), "ww>w"),
+}
+ARITY = {op: signature.index(">") for op, signature in SIGNATURES.items()}
 RANGES: dict[str, Callable[..., tuple[int, int]]] = {
     "add": lambda n, x, y: (x.low + y.low, x.high + y.high),
     "sub": lambda n, x, y: (x.low - y.high, x.high - y.low),
@@ -120,142 +129,117 @@ RANGES: dict[str, Callable[..., tuple[int, int]]] = {
     "concat": lambda n, x, y: (0, (x.high << y.bits - 1) + y.high),
     "div": lambda n, x: (0, x.high // n),
     "mod": lambda n, x: (0, min(x.high, n - 1)),
-    **dict.fromkeys(WORDS[:3], lambda n, x, y: (0, max(x.high, y.high))),
+    **dict.fromkeys(WORDWISE, lambda n, x, y: (0, max(x.high, y.high))),
 }
+ATTRIBUTES: dict[str, Any] = dict.fromkeys(("bit", "div", "mod"), int) | dict.fromkeys(("var", "point"), str)
+ATTRIBUTES |= {"slice": (int, int), "const": object}
 
 
-def well_sorted(op: str, attr: Any, sort: Sort, a: Sequence[Sort]) -> bool:
-    """Whether an operation applies to these sorts, and its own has every value that it can take."""
-    kinds, whole, real = {s.kind for s in a}, all(s.whole for s in a), all(s.kind == "real" for s in a)
-    if op in LOGIC:
-        return kinds | {sort.kind} == {"bit"}
-    if op == "point":
-        return a[0] == sort
-    if op in ("eq", "lt", "le", "bit"):
-        return sort.kind == "bit" and (whole or (real and op != "bit") or (op == "eq" and kinds == {"bit"}))
-    if op == "select":
-        if a[0].kind != "bit" or a[1] == a[2] == sort:
-            return a[0].kind == "bit"
-        whole = a[1].whole and a[2].whole
-    if sort.kind == "real":
-        return real if op in ("add", "sub", "mul") else whole and op == "cast"
-    if not whole or not sort.whole or (op in WORDS and kinds | {sort.kind} != {"word"}):
-        return False
-    low, high = (sort.low, sort.high) if op == "clip" else RANGES[op](attr, *a)
-    return sort.low <= low and high <= sort.high
+def _shaped(value: Any, shape: Any, place: str) -> None:
+    """Refuse a value that is not of a shape."""
+    if isinstance(shape, dict):
+        _need(type(value) is dict and value.keys() == shape.keys(), place, f"an object with the keys {sorted(shape)}")
+        for key in shape:
+            _shaped(value[key], shape[key], f"{place}, {key}")
+    elif isinstance(shape, list | tuple):
+        length = "any" if isinstance(shape, list) else len(shape)
+        _need(type(value) is list and length in ("any", len(value)), place, f"a list of {length} entries")
+        for i, one in enumerate(value):
+            _shaped(one, shape[0 if length == "any" else i], f"{place}[{i}]")
+    else:
+        _need(shape is object or type(value) is shape, place, f"{shape.__name__}, not {value!r}")
+        _need(type(value) is not str or value.isprintable(), place, "printable text")
 
 
-def sort_of(text: Any, place: str) -> Sort:
+def _names(found: Sequence[str], place: str) -> None:
+    """Refuse names that come twice or that would mean something in a text for solvers."""
+    _need(all(re.fullmatch(r"[^|\\]{1,300}", one) for one in found), place, "names, without | and \\")
+    _need(len(set(found)) == len(found), place, f"each name once, not as in {found}")
+
+
+def sort_of(text: str, place: str) -> Sort:
     """The sort of a text."""
-    found = re.fullmatch(r"bit|real|u(\d{1,3})|int\[(-?\d{1,200}), (-?\d{1,200})\]", text if type(text) is str else "")
-    if found is None or found[0] == "u0":
+    found = re.fullmatch(r"bit|real|u([1-9]\d{0,2})|int\[(-?\d{1,200}), (-?\d{1,200})\]", text, re.ASCII)
+    if found is None:
         raise Malformed(f"{place}: expected a sort, bit, real, u8 or int[-3, 5], not {text!r}"[:300])
     low, high = (0, (1 << int(found[1] or 1)) - 1) if found[2] is None else (int(found[2]), int(found[3]))
     sort = Sort("int" if found[2] else "word" if found[1] else found[0], low, high)
-    need(low <= high and sort.bits <= MOST_BITS, place, f"least and greatest value of less than {MOST_BITS} bits")
+    _need(low <= high and sort.bits <= MOST_BITS, place, f"least and greatest value of less than {MOST_BITS} bits")
     return sort
 
 
-def constant(value: Any, sort: Sort, place: str) -> Any:
+def _constant(value: Any, sort: Sort, place: str) -> Any:
     """The value that a constant of a sort stands for."""
-    kind = {"bit": bool, "real": str}.get(sort.kind, int)
-    fits = re.fullmatch(r"-?\d{1,400}(/[1-9]\d{0,399})?", value) if type(value) is str else not sort.whole
-    fits = fits or (type(value) is int and sort.low <= value <= sort.high)
-    need(type(value) is kind and fits, place, f'a {sort.kind} value, e.g. 7, true or "-1/3", not {value!r}')
+    if sort.kind == "real":
+        fits = type(value) is str and re.fullmatch(r"-?\d{1,400}(/[1-9]\d{0,399})?", value, re.ASCII)
+    else:
+        fits = type(value) is (int if sort.bits else bool) and sort.low <= value <= sort.high
+    _need(fits, place, f'a {sort.kind} value, e.g. 7, true or "-1/3", not {value!r}')
     return Fraction(value) if sort.kind == "real" else value
 
 
-def row(value: Any, length: int, place: str) -> list[Any]:
-    """A list of so many entries."""
-    need(type(value) is list and len(value) == length, place, f"a list of {length} entries")
-    return list(value)
+def well_sorted(op: str, attr: Any, sort: Sort, args: Sequence[Sort]) -> bool:
+    """Whether an operation applies to these sorts, and its own has every value that it can take."""
+    kinds = "".join(s.kind[0] for s in args) + ">" + sort.kind[0]
+    if not re.fullmatch(SIGNATURES[op].replace("n", "[wi]"), kinds) or (op == "point" and args[0] != sort):
+        return False
+    low, high = RANGES[op](attr, *args) if sort.bits and op in RANGES else sort[1:]
+    return sort.low <= low and high <= sort.high
 
 
-def name(value: Any, place: str, taken: Iterable[str] = ()) -> str:
-    """A name that nothing else has, harmless in a text for solvers."""
-    need(type(value) is str and re.fullmatch(r"[^|\\\x00-\x1f\x7f-\x9f\u2028\u2029]{1,300}", value), place, "a name")
-    need(value not in taken, place, f"a name of its own, not {value!r} again")
-    return str(value)
-
-
-def node_of(entry: Any, before: Sequence[Node], place: str) -> Node:
+def _node(entry: Any, before: Sequence[Node], place: str) -> Node:
     """One node, well sorted over those before it."""
-    op, args, attr, text = row(entry, 4, place)
-    need(type(op) is str and op in ARITY, place, f"an operation, not {op!r}")
-    args, sort = row(args, ARITY[op], f"{place}, arguments of {op}"), sort_of(text, place)
-    need(all(type(a) is int and 0 <= a < len(before) for a in args), place, f"arguments before it, not {args}")
-    if op == "const":
-        return Node(op, (), constant(attr, sort, place), sort)
-    if op in ("var", "point"):
-        name(attr, place)
-    elif op in ("slice", "bit", "div", "mod"):
-        least, most = (1, 1 << MOST_BITS - 1) if op in ("div", "mod") else (0, MOST_BITS)
-        numbers = row(attr, 2, place) if op == "slice" else [attr]
-        need(all(type(n) is int and least <= n < most for n in numbers), place, f"numbers for {op}, not {attr!r}")
-    else:
-        need(attr is None, place, f"no attribute of {op}")
+    op, args, attr, sort = *entry[:3], sort_of(entry[3], place)
+    _need(op in ARITY and len(args) == ARITY[op], place, f"an operation and its arguments, not {op} of {args}")
+    _need(all(0 <= a < len(before) for a in args), place, f"arguments before it, not {args}")
+    _shaped(attr, ATTRIBUTES.get(op, type(None)), f"{place}, attribute of {op}")
+    least, most = (1, 1 << MOST_BITS - 1) if op in ("div", "mod") else (0, MOST_BITS)
+    numbers = attr if op == "slice" else [attr] if type(attr) is int and op != "const" else []
+    _need(all(least <= n < most for n in numbers), place, f"numbers for {op}, not {attr}")
     sorts = [before[a].sort for a in args]
-    need(op == "var" or well_sorted(op, attr, sort, sorts), place, f"a sort for {op} of {sorts}, not {sort}")
-    return Node(op, tuple(args), attr, sort)
+    _need(well_sorted(op, attr, sort, sorts), place, f"a sort for {op} of {sorts}, not {sort}")
+    return Node(op, args, _constant(attr, sort, place) if op == "const" else attr, sort)
 
 
 def read(json_: Any) -> Certificate:
     """The certificate of a json, each reference to what it has to be; else `Malformed`."""
-    kinds: dict[str, type] = dict.fromkeys(("nodes", "registers", "inputs", "lemmas", "obligations", "agreed_by"), list)
-    kinds |= {"format": str, "claim": dict, "model": dict, "arithmetic": str, "depth": int}
-    kinds |= {"given": int, "start": int, "holds": int}
-    need(type(json_) is dict and json_.keys() == kinds.keys(), MAIN, f"an object with the keys {sorted(kinds)}")
-    for key, kind in kinds.items():
-        need(type(json_[key]) is kind, key, kind.__name__)
-    for key, keys in {"claim": {"id", "statement", "faults", "sha256"}, "model": {"name", "sha256"}}.items():
-        need(json_[key].keys() == keys, key, f"the keys {sorted(keys)}")
-    texts = [*json_["model"].values(), json_["claim"]["id"], json_["claim"]["statement"], json_["claim"]["sha256"]]
-    texts += [*row(json_["claim"]["faults"], len(json_["claim"]["faults"]), "claim.faults"), *json_["agreed_by"]]
-    need(all(type(t) is str and t.isprintable() for t in texts), "claim, model, agreed_by", "printable texts")
-    need(json_["format"] == FORMAT, "format", repr(FORMAT))
-    need(json_["arithmetic"] in ("integers", "bits"), "arithmetic", "integers or bits")
-    need(0 <= json_["depth"] <= MOST_STEPS, "depth", f"a number up to {MOST_STEPS}")
-    need(len(json_["nodes"]) <= MOST_NODES, "nodes", f"at most {MOST_NODES}")
+    _shaped(json_, SHAPE, MAIN)
+    _need(json_["format"] == FORMAT, "format", repr(FORMAT))
+    _need(json_["arithmetic"] in ("integers", "bits"), "arithmetic", "integers or bits")
+    _need(0 <= json_["depth"] <= MOST_STEPS, "depth", f"a number up to {MOST_STEPS}")
+    _need(len(json_["nodes"]) <= MOST_NODES, "nodes", f"at most {MOST_NODES}")
     nodes: list[Node] = []
-    variables: dict[str, int] = {}
-    for i, one in enumerate(json_["nodes"]):
-        nodes.append(node_of(one, nodes, f"nodes[{i}]"))
-        if nodes[i].op == "var":
-            variables[name(nodes[i].attr, f"nodes[{i}]", variables)] = i
+    for i, entry in enumerate(json_["nodes"]):
+        nodes.append(_node(entry, nodes, f"nodes[{i}]"))
+    variables = {n.attr: i for i, n in enumerate(nodes) if n.op == "var"}
+    _names([n.attr for n in nodes if n.op == "var"], "nodes")
+    _names([*(entry[0] for entry in json_["registers"]), *json_["inputs"]], "registers, inputs")
+    _names([called for called, _ in json_["lemmas"]], "lemmas")
 
-    def at(value: Any, place: str, sort: Sort) -> int:
-        need(type(value) is int and 0 <= value < len(nodes), place, f"the number of a node, not {value!r}")
-        need(nodes[value].sort == sort, place, f"a node of {sort}")
-        return int(value)
+    def at(index: int, place: str, sort: Sort) -> int:
+        _need(0 <= index < len(nodes) and nodes[index].sort == sort, place, f"a node of {sort}, not {index}")
+        return index
 
-    state: dict[str, tuple[int, Any]] = {}
-    for i, one in enumerate(json_["registers"]):
-        place = f"registers[{i}]"
-        called, var, following, power_up = row(one, 4, place)
-        need(type(var) is int and variables.get(name(called, place, state)) == var, place, "the variable of its name")
+    registers: dict[str, tuple[int, Any]] = {}
+    for called, var, following, power_up in json_["registers"]:
+        place = f"register {called}"
+        _need(variables.get(called) == var, place, "the variable of its name")
         sort = nodes[var].sort
-        state[called] = at(following, place, sort), None if power_up is None else constant(power_up, sort, place)
-    inputs: set[str] = set()
-    for i, one in enumerate(json_["inputs"]):
-        inputs.add(name(one, f"inputs[{i}]", inputs | state.keys()))
-    need(variables.keys() <= inputs | state.keys(), "nodes", "no variable but registers and inputs")
-    lemmas: dict[str, int] = {}
-    for i, one in enumerate(json_["lemmas"]):
-        called, root = row(one, 2, f"lemmas[{i}]")
-        lemmas[name(called, f"lemmas[{i}]", lemmas)] = at(root, f"lemmas[{i}]", Sort("bit"))
+        registers[called] = at(following, place, sort), None if power_up is None else _constant(power_up, sort, place)
+    _need(variables.keys() <= {*json_["inputs"], *registers}, "nodes", "no variable but registers and inputs")
+    lemmas = {called: at(root, f"lemma {called}", Sort("bit")) for called, root in json_["lemmas"]}
     given, start, holds = (at(json_[key], key, Sort("bit")) for key in ("given", "start", "holds"))
-    seen = {nodes[i].attr for i in cone(nodes, [start, *lemmas.values()]) if nodes[i].op == "var"}
-    need(not seen & inputs, "start, lemmas", f"registers only, not the inputs {sorted(seen & inputs)[:3]}")
-    return Certificate(nodes, state, given, start, holds, lemmas, json_["depth"], json_["arithmetic"] == "integers")
+    seen = {nodes[i].attr for i in _cone(nodes, [start, *lemmas.values()]) if nodes[i].op == "var"} - registers.keys()
+    _need(not seen, "start, lemmas", f"registers only, not the inputs {sorted(seen)[:3]}")
+    return Certificate(nodes, registers, given, start, holds, lemmas, json_["depth"], json_["arithmetic"] == "integers")
 
 
-def cone(nodes: Sequence[Node], roots: Iterable[int]) -> list[int]:
+def _cone(nodes: Sequence[Node], roots: Iterable[int]) -> list[int]:
     """The nodes under the roots, in order."""
-    edge = list(roots)
-    met = set(edge)
+    met = set(edge := list(roots))
     for i in edge:  # grows while it is walked
-        edge += (new := [a for a in nodes[i].args if a not in met])
-        met.update(new)
+        edge += (new := set(nodes[i].args) - met)
+        met |= new
     return sorted(met)
 
 
@@ -291,31 +275,30 @@ def obligations(c: Certificate) -> list[Obligation]:
     return found
 
 
-def needed(c: Certificate, one: Obligation) -> list[list[int]]:
+def _needed(c: Certificate, one: Obligation) -> list[list[int]]:
     """The nodes that an obligation needs at each step: variables of registers first, then in order."""
     roots: list[list[int]] = [[] for _ in range(one.step + 1)]
     for step, root in (*one.assumed, (one.step, one.shown)):
         roots[step].append(root)
     for step in reversed(range(len(roots))):
-        roots[step] = cone(c.nodes, roots[step])
-        states = [i for i in roots[step] if c.nodes[i].op == "var" and c.nodes[i].attr in c.registers]
-        roots[step] = states + [i for i in roots[step] if i not in set(states)]
+        is_state = {i: c.nodes[i].op == "var" and c.nodes[i].attr in c.registers for i in _cone(c.nodes, roots[step])}
+        roots[step] = sorted(is_state, key=lambda i: not is_state[i])
         if step:
-            roots[step - 1] += [c.registers[c.nodes[i].attr][0] for i in states]
+            roots[step - 1] += [c.registers[c.nodes[i].attr][0] for i in is_state if is_state[i]]
     return roots
 
 
-def unrolled(c: Certificate, one: Obligation, leaf: Callable[..., Any], apply: Callable[..., Any]) -> list[Any]:
+def _unrolled(c: Certificate, one: Obligation, leaf: Callable[..., Any], apply: Callable[..., Any]) -> list[Any]:
     """What is assumed and, last, what is shown, made by `leaf(name, step, sort)` and `apply(node, sorts, *values)`."""
     values: dict[tuple[int, int], Any] = {}
-    for step, indices in enumerate(needed(c, one)):
+    for step, indices in enumerate(_needed(c, one)):
         for i in indices:
             n = c.nodes[i]
             register = c.registers.get(n.attr) if n.op == "var" else None
             if register and step:
                 values[step, i] = values[step - 1, register[0]]
             elif register and not one.anywhere and register[1] is not None:
-                values[step, i] = apply(Node("const", (), register[1], n.sort), [])
+                values[step, i] = apply(Node("const", [], register[1], n.sort), [])
             elif n.op == "var":
                 values[step, i] = leaf(n.attr, step, n.sort)
             else:
@@ -325,204 +308,56 @@ def unrolled(c: Certificate, one: Obligation, leaf: Callable[..., Any], apply: C
 
 # --- clauses ---------------------------------------------------------------------------------------------------------
 
-Bits = list[int]
-Form = dict[tuple[tuple[int, ...], ...], int]
+Bits = list[int]  # literals in two's complement, the sign last
+Form = dict[tuple[tuple[int, ...], ...], int]  # factors of products of atoms; the product of none is 1
+TRUE, FALSE = 1, -1
 MEANING: dict[str, Callable[..., list[tuple[int, ...]]]] = {
     "and": lambda g, a, b: [(-g, a), (-g, b), (g, -a, -b)],
     "xor": lambda g, a, b: [(-g, a, b), (-g, -a, -b), (g, -a, b), (g, a, -b)],
     "maj": lambda g, a, b, c: [(-g, a, b), (-g, a, c), (-g, b, c), (g, -a, -b), (g, -a, -c), (g, -b, -c)],
-    **dict.fromkeys(("var", "true"), lambda g, *name: []),
+    "true": lambda g: [(g,)],
+    "var": lambda g, *name: [],
 }
-
-
-class Blaster:
-    """Terms as literals of gates: a bit is one, a whole number a sum of products of atoms, `{(atom, ...): factor}`.
-
-    An atom is a number in two's complement, its literals from the lowest to the sign; the product of none is 1.
-    """
-
-    def __init__(self) -> None:
-        self.made: list[tuple[Any, ...]] = [(), ("true",)]
-        self.index: dict[tuple[Any, ...], int] = {}
-        self.ranges: list[int] = []
-
-    def gate(self, *key: Any) -> int:
-        """The literal of a gate or a variable."""
-        if key not in self.index:
-            need(len(self.made) < MOST_GATES, "clauses", f"at most {MOST_GATES} gates")
-            self.index[key] = len(self.made)
-            self.made.append(key)
-        return self.index[key]
-
-    def both(self, a: int, b: int) -> int:
-        """And."""
-        if FALSE in (a, b) or a == -b:
-            return FALSE
-        return (b if a == TRUE else a) if TRUE in (a, b) or a == b else self.gate("and", min(a, b), max(a, b))
-
-    def either(self, a: int, b: int) -> int:
-        """Or."""
-        return -self.both(-a, -b)
-
-    def differ(self, a: int, b: int) -> int:
-        """Xor."""
-        sign, a, b = (1 if (a > 0) == (b > 0) else -1), min(abs(a), abs(b)), max(abs(a), abs(b))
-        if a in (b, TRUE):
-            return sign * FALSE if a == b else -sign * b
-        return sign * self.gate("xor", a, b)
-
-    def carry(self, a: int, b: int, c: int) -> int:
-        """Majority."""
-        a, b, c = sorted((a, b, c), key=abs)
-        if abs(b) in (abs(a), abs(c)):
-            return (a if a == b else c) if abs(a) == abs(b) else (b if b == c else a)
-        if abs(a) == TRUE:
-            return self.either(b, c) if a == TRUE else self.both(b, c)
-        return self.gate("maj", a, b, c) if a > 0 else -self.gate("maj", -a, -b, -c)
-
-    def choose(self, c: int, a: int, b: int) -> int:
-        """`a` where `c`, else `b`."""
-        return self.either(self.both(c, a), self.both(-c, b))
-
-    def sum(self, x: Bits, y: Bits, bits: int, sign: int = 1) -> Bits:
-        """x + sign * y, cut to so many bits."""
-        total, carry = [], -sign
-        for a, b in zip(sized(x, bits), sized(y, bits), strict=True):
-            total.append(self.differ(self.differ(a, sign * b), carry))
-            carry = self.carry(a, sign * b, carry)
-        return total
-
-    def product(self, x: Bits, y: Bits, bits: int) -> Bits:
-        """The product, cut to so many bits: a shifted row for each bit of `y`, the sign's subtracted."""
-        total = [FALSE]
-        for i, b in enumerate(y):
-            if b != FALSE:
-                shifted = [FALSE] * i + [self.both(a, b) for a in sized(x, bits)]
-                total = self.sum(total, shifted, bits, -1 if i == len(y) - 1 else 1)
-        return sized(total, bits)
-
-    def bits(self, x: Form, bits: int) -> Bits:
-        """A sum of products in so many bits: that over variables and the constant, and the rest, then their sum."""
-        sums = [[FALSE], [FALSE]]
-        for atoms, factor in sorted(x.items(), key=lambda one: (not one[0], [max(map(abs, a)) for a in one[0]], one)):
-            product = number(abs(factor))
-            for one in atoms:
-                product = self.product(list(one), product, min(bits, len(one) + len(product)))
-            rest = any(self.made[abs(b)][0] not in ("var", "true") for one in atoms for b in one)
-            sums[rest] = self.sum(sums[rest], product, bits, 1 if factor > 0 else -1)
-        return self.sum(sums[0], sums[1], bits)
-
-    def value(self, x: Form, sort: Sort) -> Bits:
-        """A number of a sort in the sort's bits."""
-        bits = self.bits(x, sort.bits)
-        return [*bits[:-1], FALSE] if sort.low >= 0 else bits
-
-    def less(self, x: Form, y: Form, bits: int) -> int:
-        """Whether x < y: the sign of the difference, which has so many bits."""
-        return self.bits(plus(x, y, -1), bits)[-1]
-
-    def equal(self, x: Form, y: Form, bits: int) -> int:
-        """Whether x = y, the difference having so many bits: all bits of what is added and of what is subtracted."""
-        apart, same = plus(x, y, -1), TRUE
-        sides = ({a: f for a, f in apart.items() if f > 0}, {a: -f for a, f in apart.items() if f < 0})
-        for a, b in zip(*(self.bits(side, bits) for side in sides), strict=True):
-            same = self.both(same, -self.differ(a, b))
-        return same
-
-    def chosen(self, c: int, x: Form, y: Form, bits: int) -> Form:
-        """`x` where `c`, else `y`: y + c * (x - y) where they have something in common, else bit by bit."""
-        apart = plus(x, y, -1)
-        if not apart.keys() - {()}:
-            return plus(y, atom([c, FALSE]), apart.get((), 0))
-        if len(apart) < len(x) + len(y) or not (x.keys() - {()} and y.keys() - {()}):
-            return plus(y, atom([self.both(c, b) for b in self.bits(apart, bits)]))
-        return atom([self.choose(c, a, b) for a, b in zip(self.bits(x, bits), self.bits(y, bits), strict=True)])
-
-    def clipped(self, x: Form, sort: Sort, bits: int) -> Form:
-        """The value, or the nearest that the sort has."""
-        x = self.chosen(self.less(whole(sort.high), x, bits), whole(sort.high), x, bits)
-        return self.chosen(self.less(x, whole(sort.low), bits), whole(sort.low), x, bits)
-
-    def cut(self, x: Form, sort: Sort, start: int, count: int) -> Form:
-        """Some bits of a number: the lowest are what is left without the upper ones."""
-        bits = self.value(x, sort)
-        if start == 0:
-            return plus(x, atom(bits[count:] or bits[-1:]), -1 << count)
-        return atom([*sized(bits, start + count)[start:], FALSE])
-
-    def quotient(self, x: Form, sort: Sort, by: int) -> Form:
-        """A word by a constant, by long division from the highest bit down."""
-        divisor, quotient, rest = number(by), [FALSE], [FALSE]
-        bits = len(divisor) + 1
-        for b in reversed(self.value(x, sort)):
-            rest = sized([b, *rest], bits)
-            less = self.sum(rest, divisor, bits, -1)
-            rest = [self.choose(less[-1], a, b) for a, b in zip(rest, less, strict=True)]
-            quotient = [-less[-1], *quotient]
-        return atom(quotient)
-
-    def leaf(self, called: str, step: int, sort: Sort) -> Any:
-        """A variable at a step; what its sort promises is noted in `ranges`."""
-        bits = [self.gate("var", called, step, i) for i in range(sort.bits - (sort.kind != "int"))]
-        if sort.kind == "bit":
-            return bits[0]
-        x = atom([*bits, FALSE] if sort.kind == "word" else bits)
-        if sort.kind == "int":
-            beyond = self.less(x, whole(sort.low), sort.bits + 1), self.less(whole(sort.high), x, sort.bits + 1)
-            self.ranges += [-literal for literal in beyond]
-        return x
-
-    def apply(self, n: Node, sorts: Sequence[Sort], *args: Any) -> Any:
-        """The value of an operation on arguments of these sorts; all differences fit one bit more than the widest."""
-        return BLAST[n.op](self, n, sorts, 1 + max(s.bits for s in (*sorts, n.sort)), *args)
-
-
-BLAST: dict[str, Callable[..., Any]] = {
-    "const": lambda g, n, s, w: (TRUE if n.attr else FALSE) if n.sort.kind == "bit" else whole(n.attr),
+GATES: dict[str, Callable[..., Any]] = {  # from gates, node, sorts of arguments, bits of any difference, arguments
+    "const": lambda g, n, s, w: {(): n.attr} if n.sort.bits else TRUE if n.attr else FALSE,
     **dict.fromkeys(("point", "cast"), lambda g, n, s, w, x: x),
     "not": lambda g, n, s, w, x: -x,
     "and": lambda g, n, s, w, x, y: g.both(x, y),
     "or": lambda g, n, s, w, x, y: g.either(x, y),
     "implies": lambda g, n, s, w, x, y: g.either(-x, y),
     "xor": lambda g, n, s, w, x, y: g.differ(x, y),
-    "eq": lambda g, n, s, w, x, y: g.equal(x, y, w) if s[0].whole else -g.differ(x, y),
+    "eq": lambda g, n, s, w, x, y: g.equal(x, y, w) if s[0].bits else -g.differ(x, y),
     "lt": lambda g, n, s, w, x, y: g.less(x, y, w),
     "le": lambda g, n, s, w, x, y: -g.less(y, x, w),
-    "bit": lambda g, n, s, w, x: sized(g.value(x, s[0]), n.attr + 1)[n.attr],
-    "select": lambda g, n, s, w, c, x, y: g.chosen(c, x, y, w) if n.sort.whole else g.choose(c, x, y),
-    "add": lambda g, n, s, w, x, y: plus(x, y),
-    "sub": lambda g, n, s, w, x, y: plus(x, y, -1),
-    "mul": lambda g, n, s, w, x, y: times(x, y),
-    "clip": lambda g, n, s, w, x: g.clipped(x, n.sort, w),
+    "bit": lambda g, n, s, w, x: _sized(g.value(x, s[0]), n.attr + 1)[n.attr],
+    "select": lambda g, n, s, w, c, x, y: g.chosen(c, x, y, w) if n.sort.bits else g.choose(c, x, y),
+    "add": lambda g, n, s, w, x, y: _plus(x, y),
+    "sub": lambda g, n, s, w, x, y: _plus(x, y, -1),
+    "mul": lambda g, n, s, w, x, y: _times(x, y),
+    "clip": lambda g, n, s, w, x: g.most(g.most(x, n.sort.high, 1, w), n.sort.low, -1, w),
     "slice": lambda g, n, s, w, x: g.cut(x, s[0], *n.attr),
-    "concat": lambda g, n, s, w, x, y: plus(y, x, 1 << s[1].bits - 1),
+    "concat": lambda g, n, s, w, x, y: _plus(y, x, 1 << s[1].bits - 1),
     "div": lambda g, n, s, w, x: g.quotient(x, s[0], n.attr),
-    "mod": lambda g, n, s, w, x: plus(x, g.quotient(x, s[0], n.attr), -n.attr),
-    "band": lambda g, n, s, w, x, y: atom(list(map(g.both, g.value(x, n.sort), g.value(y, n.sort)))),
-    "bor": lambda g, n, s, w, x, y: atom(list(map(g.either, g.value(x, n.sort), g.value(y, n.sort)))),
-    "bxor": lambda g, n, s, w, x, y: atom(list(map(g.differ, g.value(x, n.sort), g.value(y, n.sort)))),
+    "mod": lambda g, n, s, w, x: _plus(x, g.quotient(x, s[0], n.attr), -n.attr),
+    "band": lambda g, n, s, w, x, y: _atom(list(map(g.both, g.value(x, n.sort), g.value(y, n.sort)))),
+    "bor": lambda g, n, s, w, x, y: _atom(list(map(g.either, g.value(x, n.sort), g.value(y, n.sort)))),
+    "bxor": lambda g, n, s, w, x, y: _atom(list(map(g.differ, g.value(x, n.sort), g.value(y, n.sort)))),
 }
 
 
-def number(value: int) -> Bits:
-    """A constant in two's complement."""
-    return [TRUE if value >> i & 1 else FALSE for i in range(Sort("int", value, value).bits)]
-
-
-def sized(x: Bits, bits: int) -> Bits:
+def _sized(x: Bits, bits: int) -> Bits:
     """The number with its sign repeated up to so many bits, or cut to them."""
     return (x + [x[-1]] * (bits - len(x)))[:bits]
 
 
-def whole(value: int) -> Form:
-    """A constant."""
-    return {(): value} if value else {}
+def _number(value: int) -> Bits:
+    return [TRUE if value >> i & 1 else FALSE for i in range(Sort("int", value, value).bits)]
 
 
-def atom(bits: Bits) -> Form:
+def _atom(bits: Bits) -> Form:
     """A number of these bits; a constant has no atom, zeros below are a factor, and not b is 1 - b."""
     if all(abs(b) == TRUE for b in bits):
-        return whole(sum((b > 0) << i for i, b in enumerate(bits)) - ((bits[-1] > 0) << len(bits)))
+        return {(): sum((b > 0) << i for i, b in enumerate(bits)) - ((bits[-1] > 0) << len(bits))}
     zeros = next(i for i, b in enumerate(bits) if b != FALSE)
     bits = bits[zeros:]
     while len(bits) > 1 and bits[-1] == bits[-2]:
@@ -532,37 +367,164 @@ def atom(bits: Bits) -> Form:
     return {(tuple(bits),): 1 << zeros}
 
 
-def plus(x: Form, y: Form, factor: int = 1) -> Form:
+def _plus(x: Form, y: Form, factor: int = 1) -> Form:
     """x + factor * y."""
     total = {a: f for a in (*x, *y) if (f := x.get(a, 0) + factor * y.get(a, 0))}
-    need(
-        len(total) <= MOST_TERMS and all(abs(f) >> 4 * MOST_BITS == 0 for f in total.values()), "clauses", "short sums"
-    )
+    small = len(total) <= MOST_TERMS and all(abs(f) >> 4 * MOST_BITS == 0 for f in total.values())
+    _need(small, "clauses", "short sums")
     return total
 
 
-def times(x: Form, y: Form) -> Form:
-    """The product."""
+def _times(x: Form, y: Form) -> Form:
     total: Form = {}
     for a, f in x.items():
-        total = plus(total, {tuple(sorted((*a, *b))): g for b, g in y.items()}, f)
+        total = _plus(total, {tuple(sorted((*a, *b))): g for b, g in y.items()}, f)
     return total
+
+
+class _Gates:
+    """Terms as literals: a bit is one, a whole number a `Form`; what the sorts of variables promise is in `ranges`."""
+
+    def __init__(self) -> None:
+        self.made: list[tuple[Any, ...]] = [(), ("true",)]
+        self.index: dict[tuple[Any, ...], int] = {}
+        self.ranges: list[int] = []
+
+    def gate(self, *key: Any) -> int:
+        if key not in self.index:
+            _need(len(self.made) < MOST_GATES, "clauses", f"at most {MOST_GATES} gates")
+            self.index[key] = len(self.made)
+            self.made.append(key)
+        return self.index[key]
+
+    def both(self, a: int, b: int) -> int:
+        if FALSE in (a, b) or a == -b:
+            return FALSE
+        return (b if a == TRUE else a) if TRUE in (a, b) or a == b else self.gate("and", min(a, b), max(a, b))
+
+    def either(self, a: int, b: int) -> int:
+        return -self.both(-a, -b)
+
+    def differ(self, a: int, b: int) -> int:
+        sign, (a, b) = (1 if (a > 0) == (b > 0) else -1), sorted((abs(a), abs(b)))
+        if a in (b, TRUE):
+            return sign * FALSE if a == b else -sign * b
+        return sign * self.gate("xor", a, b)
+
+    def majority(self, a: int, b: int, c: int) -> int:
+        a, b, c = sorted((a, b, c), key=abs)
+        if abs(b) in (abs(a), abs(c)):
+            return (a if a == b else c) if abs(a) == abs(b) else (b if b == c else a)
+        if abs(a) == TRUE:
+            return self.either(b, c) if a == TRUE else self.both(b, c)
+        return self.gate("maj", a, b, c) if a > 0 else -self.gate("maj", -a, -b, -c)
+
+    def choose(self, c: int, a: int, b: int) -> int:
+        return self.either(self.both(c, a), self.both(-c, b))
+
+    def sum(self, x: Bits, y: Bits, bits: int, sign: int = 1) -> Bits:
+        """x + sign * y, cut to so many bits."""
+        total, carry = [], -sign
+        for a, b in zip(_sized(x, bits), _sized(y, bits), strict=True):
+            total.append(self.differ(self.differ(a, sign * b), carry))
+            carry = self.majority(a, sign * b, carry)
+        return total
+
+    def product(self, x: Bits, y: Bits, bits: int) -> Bits:
+        """The product, cut to so many bits: a shifted row for each bit of `y`, the sign's subtracted."""
+        total = [FALSE]
+        for i, b in enumerate(y):
+            if b != FALSE:
+                shifted = [FALSE] * i + [self.both(a, b) for a in _sized(x, bits)]
+                total = self.sum(total, shifted, bits, -1 if i == len(y) - 1 else 1)
+        return _sized(total, bits)
+
+    def bits(self, x: Form, bits: int) -> Bits:
+        """A sum of products in so many bits: that over variables and the constant, and the rest, then their sum."""
+        sums = [[FALSE], [FALSE]]
+        for atoms, factor in sorted(x.items(), key=lambda one: (not one[0], [max(map(abs, a)) for a in one[0]], one)):
+            product = _number(abs(factor))
+            for one in atoms:
+                product = self.product(list(one), product, min(bits, len(one) + len(product)))
+            rest = any(self.made[abs(b)][0] not in ("var", "true") for one in atoms for b in one)
+            sums[rest] = self.sum(sums[rest], product, bits, 1 if factor > 0 else -1)
+        return self.sum(*sums, bits)
+
+    def value(self, x: Form, sort: Sort) -> Bits:
+        """A number of a sort in the sort's bits."""
+        bits = self.bits(x, sort.bits)
+        return [*bits[:-1], FALSE] if sort.low >= 0 else bits
+
+    def less(self, x: Form, y: Form, bits: int) -> int:
+        """Whether x < y: the sign of the difference, which has so many bits."""
+        return self.bits(_plus(x, y, -1), bits)[-1]
+
+    def equal(self, x: Form, y: Form, bits: int) -> int:
+        """Whether x = y, the difference having so many bits: all bits of what is added and of what is subtracted."""
+        apart, same = _plus(x, y, -1), TRUE
+        sides = [self.bits({a: sign * f for a, f in apart.items() if sign * f > 0}, bits) for sign in (1, -1)]
+        for a, b in zip(*sides, strict=True):
+            same = self.both(same, -self.differ(a, b))
+        return same
+
+    def chosen(self, c: int, x: Form, y: Form, bits: int) -> Form:
+        """`x` where `c`, else `y`: y + c * (x - y) where they have something in common, else bit by bit."""
+        apart = _plus(x, y, -1)
+        if not apart.keys() - {()}:
+            return _plus(y, _atom([c, FALSE]), apart.get((), 0))
+        if len(apart) < len(x) + len(y) or not (x.keys() - {()} and y.keys() - {()}):
+            return _plus(y, _atom([self.both(c, b) for b in self.bits(apart, bits)]))
+        return _atom([self.choose(c, a, b) for a, b in zip(self.bits(x, bits), self.bits(y, bits), strict=True)])
+
+    def most(self, x: Form, limit: int, sign: int, bits: int) -> Form:
+        """The limit where x is beyond it, upwards for the sign 1, else x."""
+        beyond = self.less({(): limit}, x, bits) if sign > 0 else self.less(x, {(): limit}, bits)
+        return self.chosen(beyond, {(): limit}, x, bits)
+
+    def cut(self, x: Form, sort: Sort, start: int, count: int) -> Form:
+        """Some bits of a number: the lowest are what is left without the upper ones."""
+        bits = self.value(x, sort)
+        if start == 0:
+            return _plus(x, _atom(bits[count:] or bits[-1:]), -1 << count)
+        return _atom([*_sized(bits, start + count)[start:], FALSE])
+
+    def quotient(self, x: Form, sort: Sort, by: int) -> Form:
+        """A word by a constant, by long division from the highest bit down."""
+        divisor, quotient, rest = _number(by), [FALSE], [FALSE]
+        for b in reversed(self.value(x, sort)):
+            rest = _sized([b, *rest], len(divisor) + 1)
+            less = self.sum(rest, divisor, len(rest), -1)
+            rest = [self.choose(less[-1], a, b) for a, b in zip(rest, less, strict=True)]
+            quotient = [-less[-1], *quotient]
+        return _atom(quotient)
+
+    def leaf(self, called: str, step: int, sort: Sort) -> Any:
+        bits = [self.gate("var", called, step, i) for i in range(sort.bits - (sort.kind == "word") or 1)]
+        if sort.kind == "bit":
+            return bits[0]
+        x = _atom([*bits, FALSE] if sort.kind == "word" else bits)
+        if sort.kind == "int":
+            beyond = self.less(x, {(): sort.low}, sort.bits + 1), self.less({(): sort.high}, x, sort.bits + 1)
+            self.ranges += [-literal for literal in beyond]
+        return x
+
+    def apply(self, n: Node, sorts: Sequence[Sort], *args: Any) -> Any:
+        return GATES[n.op](self, n, sorts, 1 + max(s.bits for s in (*sorts, n.sort)), *args)
 
 
 def clauses(c: Certificate, one: Obligation) -> list[tuple[int, ...]] | None:
     """An obligation's negation as clauses, contradictory if and only if it holds; None where it has reals."""
-    if any(c.nodes[i].sort.kind == "real" for step in needed(c, one) for i in step):
+    if any(c.nodes[i].sort.kind == "real" for step in _needed(c, one) for i in step):
         return None
-    gates = Blaster()
-    *assumed, shown = unrolled(c, one, gates.leaf, gates.apply)
+    gates = _Gates()
+    *assumed, shown = _unrolled(c, one, gates.leaf, gates.apply)
     asserted = [*gates.ranges, *assumed, -shown]
-    edge = [TRUE, *map(abs, asserted)]
-    met = set(edge)
+    met = set(edge := [TRUE, *map(abs, asserted)])
     for g in edge:  # grows while it is walked
-        edge += (new := [abs(a) for a in gates.made[g][1:] if gates.made[g][0] != "var" and abs(a) not in met])
-        met.update(new)
+        edge += (new := {abs(a) for a in gates.made[g][1:] if gates.made[g][0] != "var"} - met)
+        met |= new
     count = {g: i for i, g in enumerate(sorted(met), 1)}
-    found = [(TRUE,)] + [clause for g in sorted(met) for clause in MEANING[gates.made[g][0]](g, *gates.made[g][1:])]
+    found = [clause for g in sorted(met) for clause in MEANING[gates.made[g][0]](g, *gates.made[g][1:])]
     found += [(literal,) for literal in asserted]
     return [tuple(count[a] if a > 0 else -count[-a] for a in clause) for clause in found]
 
@@ -575,28 +537,21 @@ def dimacs(label: str, found: Sequence[Sequence[int]]) -> str:
 
 
 def check_lrat(found: Sequence[Sequence[int]], proof: str) -> None:
-    """Check that each step of a proof follows by unit propagation over the clauses it names, up to the empty clause.
-
-    Raises `Rejected` where it does not.
-    """
+    """Refuse a proof unless each step follows by unit propagation over the clauses it names, up to the empty clause."""
     known, last = {i: frozenset(clause) for i, clause in enumerate(found, 1)}, len(found)
     for line, text in enumerate(proof.splitlines(), 1):
         try:
             step, *rest, end = map(int, text.split())
             cut = rest.index(0)
-            clause, used = frozenset(rest[:cut]), [known[hint] for hint in rest[cut + 1 :]]
-        except (ValueError, KeyError):
-            step, end, clause, used = 0, 0, frozenset(), []
-        false, conflict = set(clause), False
-        for one in used:
-            unit = one - false
-            if conflict or len(unit) > 1:
-                conflict = False
-                break
-            conflict = not unit
-            for literal in unit:
-                false.add(-literal)
-        if not conflict or step <= last or end != 0:
+            clause, *used = frozenset(rest[:cut]), *(known[hint] for hint in rest[cut + 1 :])
+            false = set(clause)
+            for one in used[:-1]:
+                (unit,) = one - false
+                false.add(-unit)
+            follows = used[-1] <= false and step > last and end == 0
+        except (ValueError, LookupError):
+            follows = False
+        if not follows:
             raise Rejected(f"the proof's line {line} does not follow: {text[:80]}")
         if not clause:
             return
@@ -614,110 +569,86 @@ INTEGERS = {
     "clip": "(ite (< {0} {low}) {low} (ite (< {high} {0}) {high} {0}))",
     **{"slice": "(mod (div {0} {scale}) {size})", "bit": "(= (mod (div {0} {scale}) 2) 1)"},
 }
-SIGNS = {"(+ ": "(bvadd ", "(- ": "(bvsub ", "(* ": "(bvmul ", "(< ": "(bvslt ", "(<= ": "(bvsle ", "(div ": "(bvudiv "}
-
-
-def as_vectors(text: str) -> str:
-    """The same operation on bit-vectors that are wide enough for all values."""
-    for sign, other in {**SIGNS, "(mod ": "(bvurem "}.items():
-        text = text.replace(sign, other)
-    return text
-
-
-VECTORS = {op: as_vectors(text) for op, text in INTEGERS.items()} | {
-    op: f"(bv{op[1:]} {{0}} {{1}})" for op in WORDS[:3]
-}
+VECTORS = INTEGERS | {op: f"(bv{op[1:]} {{0}} {{1}})" for op in WORDWISE}
 VECTORS |= {"slice": "(bvand (bvashr {0} {by}) {mask})", "bit": "(= ((_ extract 0 0) (bvashr {0} {by})) #b1)"}
+SIGNS = {"+": "bvadd", "-": "bvsub", "*": "bvmul", "<": "bvslt", "<=": "bvsle", "div": "bvudiv", "mod": "bvurem"}
 
 
-class Text:
-    """An obligation in SMT-LIB: numbers as integers and reals, or all whole numbers as bit-vectors of one width."""
+def _written(value: Any, width: int) -> str:
+    """A constant, as a bit-vector where there is a width."""
+    if type(value) is bool:
+        return str(value).lower()
+    if type(value) is Fraction:
+        return f"(/ {value.numerator}.0 {value.denominator}.0)" if value >= 0 else f"(- {_written(-value, 0)})"
+    return f"(_ bv{value % (1 << width)} {width})" if width else f"{value}" if value >= 0 else f"(- {-value})"
 
-    def __init__(self, c: Certificate, one: Obligation) -> None:
-        nodes = [c.nodes[i] for step in needed(c, one) for i in step]
-        attributes = [Sort("int", 0, n.attr) for n in nodes if n.op in ("div", "mod", "bit")]
-        self.width = 0 if c.integers else 2 + max(sort.bits for sort in (*attributes, *(n.sort for n in nodes)))
-        self.lines = [f"; {one.label}", f"(set-logic {'ALL' if c.integers else 'QF_BV'})"]
-        *assumed, shown = unrolled(c, one, self.leaf, self.apply)
-        self.lines += [*(f"(assert {x})" for x in assumed), f"(assert (not {shown}))", "(check-sat)", ""]
 
-    def number(self, value: Any) -> str:
-        """A constant."""
-        if type(value) is Fraction:
-            return f"(/ {value.numerator}.0 {value.denominator}.0)" if value >= 0 else f"(- {self.number(-value)})"
-        if self.width:
-            return f"(_ bv{value % (1 << self.width)} {self.width})"
-        return str(value) if value >= 0 else f"(- {-value})"
+def _template(n: Node, sorts: Sequence[Sort], width: int) -> str:
+    """How an operation is written: with integers, or the same with signs for bit-vectors that hold all values."""
+    if width:
+        return re.sub(r"(?<=\()[-+*<=a-z]+(?= )", lambda sign: SIGNS.get(sign[0], sign[0]), VECTORS[n.op])
+    if n.op in WORDWISE:
+        odd = "(= (mod (div {%d} %d) 2) 1)"
+        bits = ((1 << i, odd % (0, 1 << i), odd % (1, 1 << i)) for i in range(n.sort.bits - 1))
+        return f"(+ 0 {' '.join(f'(ite ({n.op[1:]} {x} {y}) {size} 0)' for size, x, y in bits)})"
+    if n.op == "slice" and n.attr[0] == 0:  # one carry or borrow needs no division, which solvers find hard
+        low, high, size = sorts[0].low, sorts[0].high, 1 << n.attr[1]
+        if low >= 0 and high < 2 * size:
+            return "(ite (<= {size} {0}) (- {0} {size}) {0})"
+        if -size <= low and high < size:
+            return "(ite (< {0} 0) (+ {0} {size}) {0})"
+    return "(to_real {0})" if n.op == "cast" and n.sort.kind == "real" else INTEGERS[n.op]
 
-    def sort(self, sort: Sort, bits: int = 0) -> str:
-        """A sort."""
-        return {"bit": "Bool", "real": "Real"}.get(
-            sort.kind, f"(_ BitVec {bits or self.width})" if self.width else "Int"
-        )
 
-    def leaf(self, called: str, step: int, sort: Sort) -> str:
-        """A variable at a step, within its range."""
+def smt(c: Certificate, one: Obligation) -> str:
+    """An obligation's negation, contradictory if and only if it holds; in bits, all numbers are vectors of one width."""
+    nodes = [c.nodes[i] for step in _needed(c, one) for i in step]
+    numbers = [Sort("int", 0, n.attr) for n in nodes if n.op in ("div", "mod", "bit")]
+    width = 0 if c.integers else 2 + max(sort.bits for sort in (*numbers, *(n.sort for n in nodes)))
+    lines = [f"; {one.label}", f"(set-logic {'ALL' if c.integers else 'QF_BV'})"]
+
+    def sort(of: Sort, bits: int) -> str:
+        return {"bit": "Bool", "real": "Real"}.get(of.kind, f"(_ BitVec {bits})" if width else "Int")
+
+    def leaf(called: str, step: int, of: Sort) -> str:
         x = called = f"|{called}@{step}|"
-        self.lines.append(f"(declare-const {x} {self.sort(sort, sort.bits)})")
-        if sort.whole:
-            x = f"((_ sign_extend {self.width - sort.bits}) {called})" if self.width else called
-            le = "bvsle" if self.width else "<="
-            bounds = f"({le} {self.number(sort.low)} {x}) ({le} {x} {self.number(sort.high)})"
-            self.lines.append(f"(assert (and {bounds}))")
+        lines.append(f"(declare-const {x} {sort(of, of.bits)})")
+        if of.bits:
+            x, le = (f"((_ sign_extend {width - of.bits}) {called})", "bvsle") if width else (called, "<=")
+            lines.append(f"(assert (and ({le} {_written(of.low, width)} {x}) ({le} {x} {_written(of.high, width)})))")
         return x
 
-    def apply(self, n: Node, sorts: Sequence[Sort], *args: str) -> str:
-        """The name of a new definition."""
+    def apply(n: Node, sorts: Sequence[Sort], *args: str) -> str:
         by = n.attr[0] if n.op == "slice" else n.attr if n.op in ("div", "mod", "bit") else 0
         shift = sorts[1].bits - 1 if n.op == "concat" else by if n.op in ("slice", "bit") else 0
         size = 1 << n.attr[1] if n.op == "slice" else 1
         values = dict(low=n.sort.low, high=n.sort.high, by=by, scale=1 << shift, size=size, mask=size - 1)
-        const = str(n.attr).lower() if n.sort.kind == "bit" else self.number(n.attr) if n.op == "const" else ""
-        text = self.template(n, sorts).format(*args, const=const, **{k: self.number(v) for k, v in values.items()})
-        self.lines.append(f"(define-fun t{len(self.lines)} () {self.sort(n.sort)} {text})")
-        return f"t{len(self.lines) - 1}"
+        values |= {"const": n.attr} if n.op == "const" else {}
+        text = _template(n, sorts, width).format(*args, **{key: _written(v, width) for key, v in values.items()})
+        lines.append(f"(define-fun t{len(lines)} () {sort(n.sort, width)} {text})")
+        return f"t{len(lines) - 1}"
 
-    def template(self, n: Node, sorts: Sequence[Sort]) -> str:
-        """How an operation is written."""
-        if self.width:
-            return VECTORS[n.op]
-        if n.op in WORDS[:3]:
-            odd = "(= (mod (div {%d} %d) 2) 1)"
-            bits = ((1 << i, odd % (0, 1 << i), odd % (1, 1 << i)) for i in range(n.sort.bits - 1))
-            return f"(+ 0 {' '.join(f'(ite ({n.op[1:]} {x} {y}) {size} 0)' for size, x, y in bits)})"
-        if n.op == "slice" and n.attr[0] == 0:  # one carry or borrow needs no division, which solvers find hard
-            low, high, size = sorts[0].low, sorts[0].high, 1 << n.attr[1]
-            if low >= 0 and high < 2 * size:
-                return "(ite (<= {size} {0}) (- {0} {size}) {0})"
-            if -size <= low and high < size:
-                return "(ite (< {0} 0) (+ {0} {size}) {0})"
-        return "(to_real {0})" if n.op == "cast" and n.sort.kind == "real" else INTEGERS[n.op]
-
-
-def smt(c: Certificate, one: Obligation) -> str:
-    """An obligation's negation in SMT-LIB, contradictory if and only if it holds."""
-    return "\n".join(Text(c, one).lines)
+    *assumed, shown = _unrolled(c, one, leaf, apply)
+    return "\n".join([*lines, *(f"(assert {x})" for x in assumed), f"(assert (not {shown}))", "(check-sat)", ""])
 
 
 def ask(solver: str, text: str, seconds: float) -> str:
     """sat, unsat, or why neither."""
-    finite = text.splitlines()[1] == "(set-logic QF_BV)"
+    finite, limit = text.splitlines()[1] == "(set-logic QF_BV)", int(1000 * seconds)
     try:
         if solver == "z3":
             import z3
 
             asked = z3.SolverFor("QF_FD") if finite else z3.Solver()
-            asked.set("timeout", int(1000 * seconds))
+            asked.set("timeout", limit)
             asked.from_string(text)
             return str(asked.check())
         import cvc5
 
         engine = cvc5.Solver(cvc5.TermManager())
-        for option, value in {
-            "tlimit-per": str(int(1000 * seconds)),
-            **({"bitblast": "eager"} if finite else {}),
-        }.items():
-            engine.setOption(option, value)
+        engine.setOption("tlimit-per", str(limit))
+        if finite:
+            engine.setOption("bitblast", "eager")
         parser, answer = cvc5.InputParser(engine), ""
         parser.setStringInput(cvc5.InputLanguage.SMT_LIB_2_6, text, "obligation")
         while not (command := parser.nextCommand()).isNull():
@@ -737,15 +668,15 @@ def opened(path: Path) -> tuple[dict[str, str], Any]:
     try:
         with zipfile.ZipFile(path) as archive:
             infos = archive.infolist()
-            need(len({i.filename for i in infos}) == len(infos), path.name, "files of different names")
-            need(sum(i.file_size for i in infos) <= MOST_BYTES, path.name, f"at most {MOST_BYTES} bytes")
+            _need(len({i.filename for i in infos}) == len(infos), path.name, "files of different names")
+            _need(sum(i.file_size for i in infos) <= MOST_BYTES, path.name, f"at most {MOST_BYTES} bytes")
             files = {i.filename: archive.read(i).decode() for i in infos}
         return files, json.loads(files[MAIN])
     except (OSError, zipfile.BadZipFile, zlib.error, RuntimeError, ValueError, KeyError, EOFError) as error:
         raise Malformed(f"{path.name}: expected a zip of texts with {MAIN}: {error}"[:300]) from None
 
 
-def examined(c: Certificate, i: int, one: Obligation, files: dict[str, str], seconds: float) -> dict[str, Any]:
+def _examined(c: Certificate, i: int, one: Obligation, files: dict[str, str], seconds: float) -> dict[str, Any]:
     """What the solvers and the bits say of an obligation; raises `Rejected` for a text that is not its own."""
     found, text = clauses(c, one), smt(c, one)
     for file, derived in {f"{i}.smt2": text, f"{i}.cnf": found and dimacs(one.label, found)}.items():
@@ -772,17 +703,16 @@ def examine(path: Path, seconds: float = 60.0) -> dict[str, Any]:
         files, json_ = opened(path)
         c = read(json_)
         every = list(enumerate(obligations(c), 1))
-        rows, labels = json_["obligations"], [one.label for _, one in every]
-        need([row(one, 2, "obligations")[0] for one in rows] == labels, "obligations", f"of this induction: {labels}")
-        need(all(type(note) is str and note.isprintable() for _, note in rows), "obligations", "printable notes")
+        labels = [one.label for _, one in every]
+        _need([label for label, _ in json_["obligations"]] == labels, "obligations", f"of this induction: {labels}")
         allowed = {MAIN} | {f"{i}.{kind}" for i, _ in every for kind in ("smt2", "cnf", "lrat")}
-        need(files.keys() <= allowed, path.name, f"no file but its own, not {sorted(files.keys() - allowed)[:3]}")
+        _need(files.keys() <= allowed, path.name, f"no file but its own, not {sorted(files.keys() - allowed)[:3]}")
         report |= {key: json_[key] for key in ("claim", "model", "depth")} | {"lemmas": [*c.lemmas]}
         if hashes(json_) != (json_["model"]["sha256"], json_["claim"]["sha256"]):
             raise Rejected("the sha256 of the model or the claim is not that of its content")
         for i, one in every:
-            told.append(examined(c, i, one, files, seconds) | {"note": rows[i - 1][1]})
-        report["verdict"] = max((one["verdict"] for one in told), key=list(EXIT).index)
+            told.append(_examined(c, i, one, files, seconds) | {"note": json_["obligations"][i - 1][1]})
+        report["verdict"] = worst(one["verdict"] for one in told)
     except (Malformed, RecursionError) as error:
         report |= {"verdict": UNREADABLE, "why": str(error)}
     except Rejected as error:
@@ -790,9 +720,9 @@ def examine(path: Path, seconds: float = 60.0) -> dict[str, Any]:
     return report
 
 
-def worst(verdicts: Iterable[str]) -> int:
-    """The exit code of the worst verdict."""
-    return EXIT[max(verdicts, key=list(EXIT).index, default=UNREADABLE)]
+def worst(verdicts: Iterable[str]) -> str:
+    """The verdict on all."""
+    return max(verdicts, key=list(EXIT).index)
 
 
 def main(words: Sequence[str]) -> int:
@@ -803,7 +733,7 @@ def main(words: Sequence[str]) -> int:
     args = parser.parse_args(words)
     reports = [examine(file, args.timeout) for file in args.files]
     print(json.dumps(reports, indent=1))
-    return worst(report["verdict"] for report in reports)
+    return EXIT[worst(report["verdict"] for report in reports)]
 
 
 if __name__ == "__main__":

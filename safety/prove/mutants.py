@@ -39,7 +39,9 @@ from safety.prove.mutation_runs import Course, Lanes, Seen, confirmed, courses, 
 from safety.prove.problem import Problem, build_problem
 from safety.prove.refinement import build_refinement
 from safety.prove.synthesis.synthesise import synthesise
+from safety.system import System
 from safety.terms import Bit, all_of, bit
+from safety.terms.graph import variables
 
 COUNTEREXAMPLE, TWIN, PROOF = "counterexample", "twin", "proof"
 EQUIVALENT, SLACK, UNDECIDED, UNCLAIMED = "equivalent", "slack", "undecided", "unclaimed"
@@ -47,7 +49,7 @@ KILLED = (COUNTEREXAMPLE, TWIN, PROOF)
 SHORT = 12  # steps of the search for a run behind a proof that is lost
 FAR = 20  # steps of the search for a run in which a mutant differs
 SYNTHESIS = 30.0  # seconds for finding the lemmas of a claim
-LONG = 4096  # steps: a longer known run is run by fewer mutants
+LONG = 512  # steps: a longer known run is run by fewer mutants
 KINDS = (*KILLED, EQUIVALENT, SLACK, UNDECIDED, UNCLAIMED)
 
 
@@ -87,9 +89,10 @@ class Case:
 
     @property
     def unconditional(self) -> bool:
-        """Whether the claim is about all runs of the healthy model."""
+        """Whether the claim is about all runs of the healthy model, step by step."""
         claim = self.claim
-        return claim.given is None and claim.start is None and claim.steps_per_frame == 1 and not claim.settings
+        by_steps = claim.steps_per_frame == 1 and claim.refinement is None
+        return claim.given is None and claim.start is None and not claim.settings and by_steps
 
     @cached_property
     def sees(self) -> set[int]:
@@ -132,6 +135,7 @@ class Subject:
         self.timeout = timeout
         self.claims = judged(claims)
         self.mutants = mutants_for(self.claims)
+        self.open = {path for c in self.claims for path in (*c.symbolic, *c.settings)}
         cases = [Case(c, self.mutants, timeout) for c in self.claims]
         self.proved = [case for case in cases if case.claim.expect == PROVED]
         self.refuted = [case for case in cases if case.claim.expect == REFUTED]
@@ -156,7 +160,7 @@ def _length(case: Case) -> int:
 def _alike(problem: Problem, numbers: set[int], timeout: float, known: Sequence[Bit]) -> set[int]:
     """The mutants that step alike in the states that a problem leaves."""
     return in_either_reading(
-        lambda left, integers: equivalent_for(problem, left, integers, timeout, known), numbers, problem.system
+        lambda left, integers: equivalent_for(problem, left, integers, timeout, known), numbers, uses_reals(problem)
     )
 
 
@@ -169,6 +173,7 @@ class _Examination:
         self.differs: dict[int, tuple[str, str]] = {}  # a claim on whose known run it differs, and where
         self.lost: dict[int, tuple[Case, str]] = {}
         self.unknown: dict[int, str] = {}
+        self.proved: set[Case] = set()  # as the model is written, here
 
     def fates(self) -> list[Fate]:
         """All fates, in the order of the mutants."""
@@ -178,9 +183,9 @@ class _Examination:
         for case in self.subject.proved:
             self._prove(case)
         self._equivalent_for_claims(self._of_the_step(), found=False)
+        self._search_for_lost()
         for case in sorted(self.subject.proved, key=_length):
             self._run(case)
-        self._search_for_lost()
         for case in sorted(self.subject.refuted, key=_length):
             self._twin(case)
         for number in self.lost.keys() & self.left:
@@ -195,8 +200,10 @@ class _Examination:
 
     def _unclaimed(self) -> None:
         seen = set().union(*(case.sees for case in (*self.subject.proved, *self.subject.refuted)))
+        values = {number for steps in self.subject.mutants.settings.values() for number, _ in steps}
         for number in self.left - seen:
-            self.settle(number, UNCLAIMED)
+            why = "no claim works with the value as written" if number in values else "no claim depends on it"
+            self.settle(number, UNCLAIMED, "", why)
 
     def _followed(self, case: Case, numbers: Collection[int]) -> Iterator[tuple[Course, dict[int, Seen]]]:
         """The mutants on the claim's known runs; where they first differ is kept in mind."""
@@ -243,7 +250,11 @@ class _Examination:
     def _equivalent(self) -> None:
         asked, timeout = self._of_the_step(), self.subject.timeout
         some = self.subject.mutants.some(asked)
-        alike = in_either_reading(lambda left, integers: equivalent(some, left, integers, timeout), asked, some)
+        alike = in_either_reading(
+            lambda left, integers: equivalent(some, left, integers, timeout),
+            asked,
+            uses_reals(self.subject.healthy(asked)),
+        )
         for number in alike:
             self.settle(number, EQUIVALENT, "", "the same step in every state, whatever faults act")
 
@@ -255,6 +266,7 @@ class _Examination:
         if found is None:
             self.unknown |= dict.fromkeys(asked, f"{case.claim.id} has no proof by induction to compare with")
         else:
+            self.proved.add(case)
             self.lost |= {number: (case, label) for number, label in found.failed.items()}
             self.unknown |= {number: f"{case.claim.id}: {why}" for number, why in found.open.items()}
 
@@ -280,15 +292,33 @@ class _Examination:
         timeout, kept = self.subject.timeout, numbers - self.lost.keys()
         healthy = self.subject.healthy(kept)
         known = exclusions(single(healthy, None), timeout) if found else ()
-        always = _alike(healthy, kept, timeout, known)
+        always = _alike(healthy, kept, timeout, (*known, *self._lemmas_for(healthy.system, self.subject.open)))
         for case in self.subject.proved:
             asked = kept & case.sees
             if asked:
+                some = case.some(asked)
                 known = exclusions(case.as_written, timeout) if found else ()
-                kept = kept - asked | _alike(case.some(asked), asked, timeout, known)
+                if not case.claim.faults and case.claim.refinement is None:
+                    known = (*known, *self._lemmas_for(some.system, set(case.claim.symbolic)))
+                kept = kept - asked | _alike(some, asked, timeout, known)
                 always |= asked if case.unconditional else set()
         for number in sorted(kept & always):
             self.settle(number, EQUIVALENT, "", "the same step in every state that the claims' invariants leave")
+
+    def _lemmas_for(self, system: System, symbolic: set[str]) -> list[Bit]:
+        """Lemmas of all runs, proved here, that speak of the model's registers only: so they hold for other claims too.
+
+        A lemma that is proved with a parameter left open holds for each value of it.
+        """
+        own = {s.var.uid for s in self.subject.mutants.system.states}
+        registers = own & {s.var.uid for s in system.states}
+        return [
+            lemma
+            for case in self.subject.proved
+            if case in self.proved and case.unconditional and symbolic <= set(case.claim.symbolic)
+            for lemma in case.as_written.lemmas.values()
+            if all(v.uid in registers for v in variables([lemma]))
+        ]
 
     def _slack(self) -> None:
         """Where all proofs go through and the mutant is not equivalent: the run in which it differs."""

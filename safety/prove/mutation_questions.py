@@ -18,7 +18,7 @@ from safety.prove.problem import Problem
 from safety.prove.solve import SAT, UNKNOWN, UNSAT, Solver, Unrolling
 from safety.system import ANY, System, substitute
 from safety.terms import Bit
-from safety.terms.graph import BIT, REAL, Term, postorder, rewrite, variable
+from safety.terms.graph import BIT, Term, postorder, rewrite, variable
 from safety.terms.values import all_of, build, const
 
 AS_WRITTEN = 0
@@ -116,15 +116,12 @@ def split(system: System, one: Obligation, numbers: Collection[int], integers: b
     return result
 
 
-def in_either_reading(
-    question: Callable[[set[int], bool], Split], numbers: Collection[int], system: System
-) -> set[int]:
+def in_either_reading(question: Callable[[set[int], bool], Split], numbers: Collection[int], reals: bool) -> set[int]:
     """The mutants that a question keeps: asked in bit-vectors, of what that leaves open in integers.
 
     Two steps that share nearly all are told to be the same far sooner bit by bit; reals have no bits.
     """
     left, kept = set(numbers), set[int]()
-    reals = any(t.sort == REAL for t in postorder(system.roots()))
     for integers in (True,) if reals else (False, True):
         found = question(left, integers)
         kept |= found.kept

@@ -53,10 +53,13 @@ def show_premises(problem: Problem, outcome: Outcome, limits: Limits) -> None:
             return
         if i not in met:
             found = _bounded(problem, premise, limits)
+            if found.run is None and (never := _never(problem, premise, limits)) is not None:
+                _vacuous(outcome, premise, never)
+                return
             if found.run is None and limits.simulation > 0:
                 found.run = reach(problem, premise, DEEPEST, limits.simulation)
             if found.run is None:
-                _unmet(problem, outcome, premise, found, limits)
+                _unmet(outcome, premise, found)
                 return
             met[i] = len(found.run) - 1
             if outcome.verdict == BOUNDED and met[i] >= (outcome.steps or 0):
@@ -93,28 +96,29 @@ def _too_short(outcome: Outcome, met: int) -> None:
     outcome.undecided()
 
 
-def _unmet(problem: Problem, outcome: Outcome, premise: Bit, found: search.Found, limits: Limits) -> None:
-    text = "" if premise.is_const else f" {describe(premise)}"
-    never = _never(problem, premise, limits)
-    if never is not None:
-        contradiction = premise.is_const and premise.attr
-        what = (
-            "the assumptions contradict one another: no run starts"
-            if contradiction
-            else f"the premise{text} can never happen"
-        )
-        outcome.verdict, outcome.agreed_by, outcome.steps, outcome.candidate = VACUOUS, never.agreed_by, None, {}
-        outcome.method = (
-            f"induction of depth {never.depth} that {'no run starts' if contradiction else 'none meets it'}"
-        )
-        outcome.why = "; ".join(filter(None, [what, who_is_silent(never)]))
-        return
+def _vacuous(outcome: Outcome, premise: Bit, never: Answer) -> None:
+    """No run says anything, for ever: this is proved, whatever became of the property."""
+    if premise.is_const and premise.attr:
+        what, shown = "the assumptions contradict one another: no run starts", "no run starts"
+    else:
+        what, shown = f"the premise{_named(premise)} can never happen", "no run meets the premise"
+    outcome.verdict, outcome.agreed_by, outcome.steps, outcome.candidate = VACUOUS, never.agreed_by, None, {}
+    outcome.method = f"induction of depth {never.depth}, {shown}"
+    outcome.why = "; ".join(filter(None, [what, who_is_silent(never)]))
+
+
+def _unmet(outcome: Outcome, premise: Bit, found: search.Found) -> None:
+    """A premise that neither happens nor is impossible, as far as is known, says nothing of either kind."""
     outcome.because(
-        f"the premise{text} was not reached within {found.searched} steps; "
+        f"the premise{_named(premise)} was not reached within {found.searched} steps; "
         "give the claim a witness (a scenario in which it happens)",
         found.why,
     )
     outcome.undecided()
+
+
+def _named(premise: Bit) -> str:
+    return "" if premise.is_const else f" {describe(premise)}"
 
 
 def _never(problem: Problem, premise: Bit, limits: Limits) -> Answer | None:

@@ -1,6 +1,6 @@
 """The verdict on one claim: what is tried for it, in which order, and what counts as an answer.
 
-    induction -> response time -> a glance at short runs -> lemmas that are found -> bounded search -> simulation -> engines
+    induction, response time, a glance at short runs, lemmas that are found, bounded search, simulation, other engines
 
 Cheap means come first, and what the claim expects comes before its opposite.  Nothing rests on how an answer was found:
 runs are replayed on the Python reading, lemmas and invariants proved like a user's.
@@ -8,6 +8,7 @@ runs are replayed on the Python reading, lemmas and invariants proved like a use
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -23,19 +24,20 @@ from safety.prove.premises import says_less, show_premises
 from safety.prove.problem import Problem, Progress, build_problem
 from safety.prove.refinement import build_refinement
 from safety.system import ModelError
+from safety.terms import Bit
 from safety.trace import Trace
 
 __all__ = ["Limits", "Outcome", "decide", "prove", "stated"]
 
 GLANCE = 1.0  # seconds for a look at short runs, or for simulation, before lemmas are looked for
-SHORTEN = 5.0  # seconds to look for a shorter run than one that was found without a search
+SHORTEN, LONG = 5.0, 300  # seconds to look for a shorter run than one found without a search, where that is not longer
 PROGRAMS = ("spacer", "pdr")
 PLANS = {
-    PROVED: ("induction", "response", "glance", "lemmas", "search", "simulation", "engines"),
-    REFUTED: ("search", "simulation", "induction", "response", "lemmas", "engines"),
-    BOUNDED: ("induction", "response", "glance", "lemmas", "search"),
-    UNDECIDED: ("induction", "response", "glance", "first_simulation", "lemmas", "search", "simulation"),
-    VACUOUS: ("induction", "response", "glance", "first_simulation", "lemmas", "search", "simulation"),
+    PROVED: ("induction", "response", "glance", "lemmas", "bounded_search", "simulation", "engines"),
+    REFUTED: ("bounded_search", "simulation", "induction", "response", "lemmas", "engines"),
+    BOUNDED: ("induction", "response", "glance", "lemmas", "bounded_search"),
+    UNDECIDED: ("induction", "response", "glance", "first_simulation", "lemmas", "bounded_search", "simulation"),
+    VACUOUS: ("induction", "response", "glance", "first_simulation", "lemmas", "bounded_search", "simulation"),
 }
 
 
@@ -87,7 +89,7 @@ class _Attempt:
     outcome: Outcome
     limits: Limits
     say: Progress
-    found: search.Found | None = None
+    seen: search.Found | None = None
 
     def scenario(self) -> bool:
         """The scripted run of the claim."""
@@ -112,10 +114,18 @@ class _Attempt:
         found = by_response(self.problem, self.limits.timeout, self.limits.solvers)
         if found is None:
             return False
+        problem = self.problem
+        if not found[0].proved and not problem.lemmas and self.limits.synthesis > 0:
+            from safety.prove.synthesis.synthesise import clause_lemmas
+
+            problem = replace(problem, lemmas=clause_lemmas(problem, self.limits.synthesis))
+            found = by_response(problem, self.limits.timeout, self.limits.solvers) or found
         answer, method = found
         self.outcome.questions += answer.questions
         if answer.proved:
             self.outcome.proved(method, answer.agreed_by, who_is_silent(answer))
+            if problem is not self.problem:
+                self.outcome.problem, self.outcome.found = problem, tuple(problem.lemmas)
         else:
             self.outcome.because(answer.failed)
         return answer.proved
@@ -155,20 +165,20 @@ class _Attempt:
     def glance(self) -> bool:
         """A short bounded search, before anything that takes long."""
         self.say("short runs")
-        found = self._bounded(self.problem.claim.steps, min(GLANCE, self.limits.timeout))
+        found = self._briefly(self.problem.claim.steps, GLANCE)
         if found.run is not None:
             self.outcome.refuted(found.run, "bounded search, replayed")
-        elif found.complete:
-            self.found = found
+        self.seen = found
         return found.run is not None
 
-    def search(self) -> bool:
+    def bounded_search(self) -> bool:
         """Bounded search in full; leaves a bounded verdict when nothing is found."""
         self.say("bounded search")
-        steps = self.problem.claim.steps
-        found = self.found or search.bounded(
-            self.problem, ~self.problem.holds, steps, uses_reals(self.problem), self.limits.timeout
-        )
+        found = self.seen
+        if found is None or not found.complete:
+            longer = self._bounded(self.problem.claim.steps, self.limits.timeout)
+            if found is None or longer.run is not None or longer.searched > found.searched:
+                found = longer
         if found.run is not None:
             self.outcome.refuted(found.run, "bounded search, replayed")
             return True
@@ -187,19 +197,23 @@ class _Attempt:
         return self._simulate(self.limits.simulation)
 
     def _simulate(self, seconds: float) -> bool:
+        if seconds <= 0:
+            return False
         self.say("directed simulation")
-        run = falsify(self.problem, DEEPEST, seconds) if seconds > 0 else None
+        run = falsify(self.problem, DEEPEST, seconds)
         if run is not None:
             self._broken_by(run, "directed simulation")
         return run is not None
 
-    def _bounded(self, steps: int, seconds: float) -> search.Found:
-        until = time.monotonic() + seconds
-        return search.bounded(self.problem, ~self.problem.holds, steps, uses_reals(self.problem), seconds, until=until)
+    def _bounded(self, steps: int, timeout: float, until: float = math.inf) -> search.Found:
+        return search.bounded(self.problem, ~self.problem.holds, steps, uses_reals(self.problem), timeout, until=until)
+
+    def _briefly(self, steps: int, seconds: float) -> search.Found:
+        return self._bounded(steps, min(seconds, self.limits.timeout), time.monotonic() + seconds)
 
     def _broken_by(self, run: Trace, method: str) -> None:
         """Take a run, or the shortest and smallest one where that is soon found."""
-        shorter = self._bounded(len(run), min(SHORTEN, self.limits.timeout)).run
+        shorter = self._briefly(len(run), SHORTEN).run if len(run) <= LONG else None
         if shorter is None:
             self.outcome.refuted(run, f"{method}, replayed")
         else:
@@ -221,22 +235,22 @@ class _Attempt:
         except ModelError as error:  # no room to run one
             self.outcome.because(str(error))
             return False
-        answer = max((r for r in results if r.conclusive), key=lambda r: len(r.agreed_by), default=None)
-        if answer is None:
-            self.outcome.because(f"{' and '.join(asked)} do not decide it in {self.limits.portfolio:g} s")
-        elif answer.trace is not None:
-            self._broken_by(search.again(self.problem, answer.trace), answer.engine)
-        else:
-            self._take(answer)
-        return answer is not None
+        for answer in results:
+            if answer.trace is not None:
+                self._broken_by(search.again(self.problem, answer.trace), answer.engine)
+            elif answer.verdict == PROVED and answer.invariant is not None:
+                self._proved_with(answer.invariant, answer)
+            elif answer.verdict == PROVED:
+                self.outcome.because(f"{answer.engine} says that it is proved, which is not confirmed: {answer.why}")
+        if self.outcome.verdict in (PROVED, REFUTED):
+            return True
+        self.outcome.because(f"{' and '.join(asked)} do not decide it in {self.limits.portfolio:g} s")
+        return False
 
-    def _take(self, answer: Result) -> None:
-        """A proof by an engine: the solvers that confirm its invariant stand for it, or else the engine alone."""
-        if answer.invariant is None:
-            self.outcome.proved(answer.engine, [answer.engine], answer.why)
-            return
+    def _proved_with(self, invariant: dict[str, Bit], answer: Result) -> None:
+        """Take the invariant of an engine, which z3 and cvc5 have proved: it is theirs, not the engine's word."""
         solvers = [name for name in answer.agreed_by if name != answer.engine]
-        method = f"induction of depth 0, {len(answer.invariant)} lemmas found by {answer.engine}"
-        self.outcome.proved(method, solvers, answer.why)
-        self.outcome.problem = replace(self.problem, lemmas=answer.invariant)
-        self.outcome.found = tuple(answer.invariant)
+        self.outcome.proved(
+            f"induction of depth 0, {len(invariant)} lemmas found by {answer.engine}", solvers, answer.why
+        )
+        self.outcome.problem, self.outcome.found = replace(self.problem, lemmas=invariant), tuple(invariant)

@@ -178,4 +178,4 @@ def _exclude(problem: Problem, form: ClosedForm, timeout: float, solvers: tuple[
             return Answer(bool(agreed), agreed, "", {}, 0, asked + len(enough), silent), 2 * ends
     return Answer(
         False, failed="the sum over the whole time has solutions (states sampled, no run)", questions=asked
-    ), ""
+    ), 0

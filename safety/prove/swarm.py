@@ -84,7 +84,11 @@ def compared(terms: Sequence[Term]) -> list[int]:
 def wishes(problem: Problem, target: Bit) -> list[Bit]:
     """What must last for the target to be met: the conditions whose ages it reads."""
     following = {s.var.uid: s.next for s in problem.system.states if s.path.startswith("watch.age")}
-    return [cast(Bit, following[t.uid].args[0]) for t in postorder([target]) if t.uid in following]
+    return [
+        cast(Bit, following[t.uid].args[0])
+        for t in postorder([target])
+        if t.uid in following and following[t.uid].op == "select"  # else its condition is constant
+    ]
 
 
 Away = Callable[[Sequence[Lanes]], Lanes]

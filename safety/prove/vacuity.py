@@ -2,9 +2,17 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from typing import cast
+
+from safety.prove.falsify import reach
 from safety.prove.problem import Problem
 from safety.prove.solve import SAT, UNSAT, Solver, Unrolling
-from safety.terms.graph import variables
+from safety.system import State
+from safety.terms import UInt, select
+from safety.terms.graph import uint, variable, variables
+
+TRY = 1.0  # seconds to look for a run by simulation, which is cheaper than to ask
 
 
 def ends_after(problem: Problem, steps: int, integers: bool, timeout: float) -> int | None:
@@ -16,6 +24,8 @@ def ends_after(problem: Problem, steps: int, integers: bool, timeout: float) -> 
     moving = {s.var.uid for s in problem.system.states if s.next is not s.var}
     witness = problem.claim.witness
     if (witness is not None and witness.steps >= steps) or not any(v.uid in moving for v in variables([problem.given])):
+        return None
+    if _kept_in_simulation(problem, steps):
         return None
     unrolling = Unrolling(problem.system, "z3", integers)
 
@@ -30,3 +40,12 @@ def ends_after(problem: Problem, steps: int, integers: bool, timeout: float) -> 
     if answer(steps) != UNSAT:
         return None
     return next((k for k in reversed(range(steps)) if answer(k) == SAT), None)
+
+
+def _kept_in_simulation(problem: Problem, steps: int) -> bool:
+    """Whether simulation soon meets a run of so many steps; such a run is one, whatever else there is."""
+    width = steps.bit_length()
+    taken = cast(UInt, variable("watch.taken", uint(width)))
+    counts = State(taken, select(taken < steps, (taken + 1).low(width), taken), 0)
+    system = replace(problem.system, states=(*problem.system.states, counts))
+    return reach(replace(problem, system=system), taken == steps - 1, steps, TRY) is not None

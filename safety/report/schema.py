@@ -118,7 +118,7 @@ class Claim(TypedDict, total=False):
     faults: str | Budget | None
     method: str | None
     user_lemmas: int | list[str] | None
-    certificate: str | dict[str, Any] | None  # of kind "real": the routes that agree, without a proof bit by bit
+    certificate: str | dict[str, Any] | None  # file, sha256, kind, complete; or kind "real" and the routes that agree
     limit: Exact  # of a bound
     bracket: Bracket
     agreed_by: list[str] | None

@@ -120,6 +120,11 @@ def test_mutants_are_judged_by_claims_about_models_alone(run: Run, slide: Path) 
     assert run("prove", "--mutants", "-k", "slide").code == 5
 
 
+def test_a_bound_has_no_model_to_export(run: Run, slide: Path) -> None:
+    called = run("export", "slide.way", "--to", "slide.smt2")
+    assert called.code == 2 and "slide.way is a bound over reals" in called.err
+
+
 def test_the_plug_in_makes_them_items(slide: Path) -> None:
     options = ["-p", "no:cacheprovider", "-p", "safety.pytest_plugin", "--rightside", "-v", "proofs/slide.py"]
     done = subprocess.run(

@@ -59,13 +59,67 @@ def test_settings_are_refused_and_nothing_selected_is_said(run: Run, project: Pa
     assert "nothing selected" in called.err
 
 
-def test_what_one_model_leaves_open_may_be_noticed_on_another() -> None:
-    def entry(model: str, verdict: str, change: str = "- for +") -> dict:
-        return {"model": model, "file": "m.py", "line": 3, "change": change, "verdict": verdict}
+def entry(model: str, verdict: str, change: str = "- for +", file: str | None = "m.py") -> dict:
+    return {"model": model, "file": file, "line": 3, "change": change, "verdict": verdict}
 
+
+def test_what_one_model_leaves_open_may_be_noticed_on_another() -> None:
     found = [entry("Small", "slack"), entry("Great", "twin"), entry("Small", "slack", "& for |")]
     mutants._notice(found)
     assert [each["noticed_on"] for each in found] == ["Great", None, None]
     found = [entry("Small", "slack"), entry("Great", "twin"), entry("Great", "slack")]
     mutants._notice(found)
     assert [each["noticed_on"] for each in found] == [None, None, None]
+    found = [entry("Small", "slack"), entry("Great", "equivalent")]  # which does not say that a claim would notice
+    mutants._notice(found)
+    assert [each["noticed_on"] for each in found] == [None, None]
+
+
+def test_only_a_change_that_is_killed_throughout_is_not_made_again() -> None:
+    def again(*found: dict) -> bool:
+        return mutants.change_of(entry("Great", "")) not in mutants.killed_on(found)
+
+    assert not again(entry("Small", "counterexample"), entry("Small", "proof"))
+    assert again(entry("Small", "counterexample"), entry("Small", "equivalent"))
+    assert again(entry("Small", "counterexample"), entry("Small", "slack"))
+    assert again(entry("Small", "counterexample"), entry("Small", "unclaimed"))
+    assert again(entry("Small", "counterexample", "& for |"))
+    assert again(entry("Small", mutants.ELSEWHERE))
+    assert again()
+    assert mutants.killed_on([entry("Small", "twin", file=None)]) == {}
+
+
+TWO = '''
+    """Two counters at the same pulses."""
+    from models.counter import Counter
+    from safety import PROVED, Bit, Model, Seen, claim, implies
+
+    class Pair(Model, tick_s="1/100"):
+        left: Counter
+        right: Counter
+
+        def step(self, pulse: Bit) -> tuple["Pair", Bit]:
+            left, a = self.left.step(pulse)
+            right, b = self.right.step(pulse)
+            return Pair(left=left, right=right), a.alarm & b.alarm
+
+    @claim(Pair, expect=PROVED)
+    def alike(s: Seen) -> Bit:
+        """Where both have counted the same, both give the alarm or none does."""
+        return implies(s.left.n == s.right.n, s["left.alarm.out"] == s["right.alarm.out"])
+'''
+
+
+def test_a_greater_model_says_where_a_change_is_killed(run: Run, project: Path) -> None:
+    put(project, "proofs/counter.py", TIGHT)
+    put(project, "proofs/pair.py", TWO)
+    called = run("prove", "--mutants", "-j", "1", "--json", "out.json")
+    found = document(project / "out.json")
+    small, great = found["models"]
+    assert (small["id"], great["id"], small["elsewhere"]) == ("Counter", "Pair", 0), called.err
+    assert great["elsewhere"] == great["verdicts"]["elsewhere"] > 0
+    assert great["mutants"] == sum(great["verdicts"].values())
+    told = [each for each in found["mutants"] if each["verdict"] == "elsewhere"]
+    assert {each["noticed_on"] for each in told} == {"Counter"}
+    killed = {(e["line"], e["change"]) for e in found["mutants"] if e["verdict"] in ("counterexample", "twin", "proof")}
+    assert {(each["line"], each["change"]) for each in told} <= killed

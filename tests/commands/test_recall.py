@@ -46,7 +46,7 @@ def both(cache: Cache, claim: Claim) -> tuple[Any, Any]:
 @pytest.fixture
 def no_proof(monkeypatch: pytest.MonkeyPatch) -> Callable[[], None]:
     def switch() -> None:
-        monkeypatch.setattr(provers, "_decide", lambda problem, limits: 1 / 0)
+        monkeypatch.setattr(provers, "_decide", lambda problem, limits, say: 1 / 0)
 
     return switch
 
@@ -87,7 +87,7 @@ def test_lemmas_that_were_found_come_back_as_terms(cache: Cache, monkeypatch: py
     claim = asked(lambda s: implies(s.high, s.passed))
     lemmas = stated(replace(claim, lemmas=(passed_in_time, lambda s: s.n.low(2).int() + Fraction(1, 3) > 0))).lemmas
 
-    def finding(problem: Any, limits: Limits) -> Any:
+    def finding(problem: Any, limits: Limits, say: Any) -> Any:
         whole = replace(problem, lemmas=lemmas)
         return outcome(problem.claim, "proved", whole, agreed_by=["z3", "cvc5"], **found)
 
@@ -106,7 +106,7 @@ def test_an_outcome_about_another_problem_is_not_kept(cache: Cache, monkeypatch:
     monkeypatch.setattr(
         provers,
         "_decide",
-        lambda problem, limits: outcome(
+        lambda problem, limits, say: outcome(
             problem.claim, "proved", replace(problem, given=bit(True)), agreed_by=["z3", "cvc5"]
         ),
     )
@@ -116,7 +116,7 @@ def test_an_outcome_about_another_problem_is_not_kept(cache: Cache, monkeypatch:
 
 def test_an_undecided_claim_is_asked_again(cache: Cache, monkeypatch: pytest.MonkeyPatch) -> None:
     outcome = provers.Outcome
-    monkeypatch.setattr(provers, "_decide", lambda problem, limits: outcome(problem.claim, UNDECIDED, problem))
+    monkeypatch.setattr(provers, "_decide", lambda problem, limits, say: outcome(problem.claim, UNDECIDED, problem))
     again(cache, asked(below_sixteen))
     monkeypatch.undo()
     assert again(cache, asked(below_sixteen)).outcome.verdict == "proved"
@@ -125,9 +125,9 @@ def test_an_undecided_claim_is_asked_again(cache: Cache, monkeypatch: pytest.Mon
 def test_more_time_asks_again_where_time_ran_out_and_only_there(cache: Cache, monkeypatch: pytest.MonkeyPatch) -> None:
     outcome, real = provers.Outcome, provers._decide
 
-    def cut_short(problem: Any, limits: Limits) -> Any:
+    def cut_short(problem: Any, limits: Limits, say: Any) -> Any:
         short = outcome(problem.claim, "bounded", problem, steps=4, agreed_by=["z3", "cvc5"])
-        return short if problem.claim.steps == 4 else real(problem, limits)
+        return short if problem.claim.steps == 4 else real(problem, limits, say)
 
     monkeypatch.setattr(provers, "_decide", cut_short)
     bounded, proved = asked(below_sixteen, steps=4), asked(below_sixteen)
@@ -177,7 +177,7 @@ def test_proving_again_without_an_answer_is_no_disagreement(cache: Cache, monkey
     again(cache, claim)
     outcome = provers.Outcome
     monkeypatch.setattr(
-        provers, "_decide", lambda problem, limits: outcome(problem.claim, UNDECIDED, problem, why="time is up")
+        provers, "_decide", lambda problem, limits, say: outcome(problem.claim, UNDECIDED, problem, why="time is up")
     )
     assert again(cache, claim, fresh=True).marks == {"why": "time is up; the cache says proved"}
 

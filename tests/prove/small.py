@@ -42,6 +42,11 @@ def verdict(formula: Callable[[Seen], Bit], model: type[Model] = Counter, **chan
     return prove(asked(formula, model, **changes), Limits(20))
 
 
+def with_no_search_for_proofs(formula: Callable[[Seen], Bit], **changes: Any) -> Outcome:
+    """The verdict by induction over the claim's own lemmas and bounded search alone."""
+    return prove(asked(formula, **changes), Limits(20, synthesis=0, simulation=0, portfolio=0))
+
+
 def below_sixteen(s: Seen) -> Bit:
     """What the width says."""
     return s.n.int() < 16

@@ -140,7 +140,7 @@ def test_a_file_that_is_read_again_replaces_its_own() -> None:
     source = compile("claim = claim_bound(AREA, limit, expect='proved')", "again.py", "exec")
     for limit in (2, 3):
         exec(source, {"claim_bound": claim_bound, "AREA": AREA, "limit": limit, "__name__": "again"})
-    assert [(one.limit, one.module, one.line) for one in bounds.declared()] == [(3, "again", 1)]
+    assert [(one.limit, one.module, one.line) for one in bounds.declared()] == [(F(3), "again", 1)]
 
 
 def test_points_do_not_depend_on_what_a_process_was_asked_before() -> None:
@@ -167,3 +167,37 @@ print((found["counterexample"] or found["bracket"])["%s"])
             for names in ([wanted], [*before, wanted])
         }  # fmt: skip
         assert len(said) == 1
+
+
+def test_routes_that_contradict_each_other_end_with_6(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    from safety.commands.evaluate import Order, evaluate
+    from safety.commands.selection import items
+    from safety.project import Config, Project
+    from safety.prove.bounds.routes import Question, Reply
+    from safety.prove.solve import UNSAT
+
+    monkeypatch.setattr(Question, "nlsat", lambda self: Reply(UNSAT, [NLSAT]))
+    claim_bound(AREA, 1, expect=PROVED)
+    project = Project(tmp_path, Config())
+    (item,) = (item for item in items(project, ["claims"]) if item.is_bound)
+    found = evaluate(project, item, Order(), lambda note: None).entry
+    assert found is not None and (found["model"], found["verdict"]) == (None, UNDECIDED)
+    validate({"schema": SCHEMA, "claims": [found]})
+    assert standing("claims", found).code == 6
+
+
+def test_a_proof_by_one_route_alone_is_named_among_what_is_not_shown(monkeypatch: pytest.MonkeyPatch) -> None:
+    from safety.prove.bounds.routes import Question, Reply
+    from safety.prove.solve import UNKNOWN
+    from safety.report.gaps import gaps
+
+    def lonely(found: Any) -> list[str]:
+        return [it.label for gap in gaps({"claims": [found]}) if gap.title == "One engine only" for it in gap.items]
+
+    kept = claim_bound(AREA, 2, expect=PROVED)
+    assert lonely(entry(kept)) == []
+    for name in ("nlsat", "cvc5"):
+        monkeypatch.setattr(Question, name, lambda self: Reply(UNKNOWN, why="no time"))
+    found = entry(kept)
+    assert (found["verdict"], found["certificate"]["routes"]) == (PROVED, [BOXES])
+    assert lonely(found) == ["scratch.area"] and "one route only" in found["why"]

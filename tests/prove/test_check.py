@@ -43,7 +43,7 @@ def bits_of(value: Any) -> Callable[[int], bool]:
     return lambda i: bool(int(value) >> i & 1)
 
 
-def simulated(blaster: check.Blaster, row: dict[str, Any]) -> list[bool]:
+def simulated(blaster: check._Gates, row: dict[str, Any]) -> list[bool]:
     """The value of every gate under values of the variables."""
     values = [False, True]
     of: dict[str, Callable[..., bool]] = {
@@ -58,7 +58,7 @@ def simulated(blaster: check.Blaster, row: dict[str, Any]) -> list[bool]:
     return values
 
 
-def number_of(x: Any, blaster: check.Blaster, values: list[bool]) -> int:
+def number_of(x: Any, blaster: check._Gates, values: list[bool]) -> int:
     """The number, or the truth, that literals stand for."""
 
     def true(literal: int) -> bool:
@@ -82,13 +82,13 @@ def gates_agree(graph: Graph) -> bool:
     c = check.read(
         described(problem_of(states, variables(outputs), variable("out0", outputs[0].sort) == outputs[0]), 0)
     )
-    blaster, made = check.Blaster(), []
+    blaster, made = check._Gates(), []
     for n in c.nodes:
         sorts, args = [c.nodes[a].sort for a in n.args], [made[a] for a in n.args]
         made.append(blaster.leaf(n.attr, 0, n.sort) if n.op == "var" else blaster.apply(n, sorts, *args))
     found = [made[c.registers[f"out{i}"][0]] for i in range(len(outputs))]
     sorts = [c.nodes[c.registers[f"out{i}"][0]].sort for i in range(len(outputs))]
-    words = [blaster.value(x, sort) if sort.whole else x for x, sort in zip(found, sorts, strict=True)]
+    words = [blaster.value(x, sort) if sort.bits else x for x, sort in zip(found, sorts, strict=True)]
     for row in rows:
         values = simulated(blaster, {v.attr: value for v, value in row.items()} | {s.path: s.power_up for s in states})
         expected = evaluate(outputs, row)
@@ -117,7 +117,7 @@ def widened(graph: Graph) -> Graph:
         if t.sort.kind not in ("uint", "int") or t.op in ("const", "var", "point", "cast"):
             return t
         low, high = t.sort.bounds
-        sort = uint(t.sort.width + 1) if t.op in check.WORDS[3:] + check.WORDS[:3] else integer(low - 3, high + 9)
+        sort = uint(t.sort.width + 1) if t.op in ("div", "mod", *check.WORDWISE) else integer(low - 3, high + 9)
         return t if t.op == "concat" else node(t.op, t.args, t.attr, sort)
 
     return [wider(t) for t in graph[0]], graph[1]
@@ -154,13 +154,13 @@ def _without_sign(x: list[int], bits: int) -> list[int]:
     return (x + [check.FALSE] * (bits - len(x)))[:bits]
 
 
-BLAST, RIGHT = check.BLAST, check.Blaster
+BLAST, RIGHT = check.GATES, check._Gates
 GATE_BUGS: dict[str, Callable[[Any], None]] = {
-    "numbers are extended with zeros": lambda m: m.setattr(check, "sized", _without_sign),
+    "numbers are extended with zeros": lambda m: m.setattr(check, "_sized", _without_sign),
     "a difference lacks its carry": lambda m: m.setattr(
         RIGHT, "sum", (lambda right: lambda g, x, y, n, sign=1: right(g, x, [sign * b for b in y], n))(RIGHT.sum)
     ),
-    "the carry is an or": lambda m: m.setattr(RIGHT, "carry", lambda g, a, b, c: g.either(a, g.either(b, c))),
+    "the carry is an or": lambda m: m.setattr(RIGHT, "majority", lambda g, a, b, c: g.either(a, g.either(b, c))),
     "a choice takes the other": lambda m: m.setattr(
         RIGHT, "choose", lambda g, c, a, b: g.either(g.both(-c, a), g.both(c, b))
     ),
@@ -174,9 +174,9 @@ GATE_BUGS: dict[str, Callable[[Any], None]] = {
         RIGHT, "bits", (lambda right: lambda g, x, n: right(g, {a: f for a, f in x.items() if a}, n))(RIGHT.bits)
     ),
     "not b is 1 + b": lambda m: m.setattr(
-        check, "atom", (lambda right: lambda bits: {a: abs(f) for a, f in right(bits).items()})(check.atom)
+        check, "_atom", (lambda right: lambda bits: {a: abs(f) for a, f in right(bits).items()})(check._atom)
     ),
-    "factors are not multiplied": lambda m: m.setattr(check, "times", lambda x, y: check.plus(x, y)),
+    "factors are not multiplied": lambda m: m.setattr(check, "_times", lambda x, y: check._plus(x, y)),
     "equality of the lowest bits": lambda m: m.setattr(
         RIGHT, "equal", (lambda right: lambda g, x, y, n: right(g, x, y, 2))(RIGHT.equal)
     ),
@@ -189,14 +189,14 @@ GATE_BUGS: dict[str, Callable[[Any], None]] = {
 def _altered(op: str) -> Callable[..., Any]:
     def wrong(g: Any, n: Any, *given: Any) -> Any:
         right = BLAST[op](g, n, *given)
-        return check.plus(right, {(): 1}) if n.sort.whole else -right
+        return check._plus(right, {(): 1}) if n.sort.bits else -right
 
     return wrong
 
 
 @pytest.mark.parametrize("operation", OPERATIONS)
 def test_a_wrong_gate_of_any_operation_is_found(operation: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(check, "BLAST", BLAST | {operation: _altered(operation)})
+    monkeypatch.setattr(check, "GATES", BLAST | {operation: _altered(operation)})
     assert not all(gates_agree(graph) for graph in edge_graphs(operation) if is_finite(graph))
 
 
@@ -256,20 +256,20 @@ def test_texts_have_the_values_of_the_direct_reading(operation: str, arithmetic:
     assert all(texts_agree(graph, arithmetic) for graph in few(operation))
 
 
-@pytest.mark.parametrize(("table", "arithmetic"), [("INTEGERS", INTEGERS), ("VECTORS", BITS)])
+@pytest.mark.parametrize("arithmetic", [INTEGERS, BITS])
 @pytest.mark.parametrize("operation", OPERATIONS)
 def test_a_wrong_text_of_any_operation_is_found(
-    operation: str, table: str, arithmetic: str, monkeypatch: pytest.MonkeyPatch
+    operation: str, arithmetic: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    right = check.Text.template
+    right = check._template
 
-    def wrong(text: Any, n: Any, sorts: Any) -> str:
+    def wrong(n: Any, sorts: Any, width: int) -> str:
         if n.op != operation:
-            return right(text, n, sorts)
+            return right(n, sorts, width)
         if n.sort.kind == "bit":
-            return f"(not {right(text, n, sorts)})"
-        one, zero = text.number(Fraction(1) if n.sort.kind == "real" else 1), text.number(0)
-        return f"(ite (= {right(text, n, sorts)} {one}) {zero} {one})"
+            return f"(not {right(n, sorts, width)})"
+        one, zero = (check._written(Fraction(x) if n.sort.kind == "real" else x, width) for x in (1, 0))
+        return f"(ite (= {right(n, sorts, width)} {one}) {zero} {one})"
 
-    monkeypatch.setattr(check.Text, "template", wrong)
+    monkeypatch.setattr(check, "_template", wrong)
     assert not all(texts_agree(graph, arithmetic, ("z3",)) for graph in few(operation))

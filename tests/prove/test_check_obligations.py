@@ -141,5 +141,5 @@ def test_ranges_of_integers_are_assumed() -> None:
 
 def test_forgotten_ranges_are_found(monkeypatch: pytest.MonkeyPatch) -> None:
     n: Any = variable("n", integer(3, 9))
-    monkeypatch.setattr(check.Blaster, "leaf", _no_ranges(check.Blaster.leaf))
+    monkeypatch.setattr(check._Gates, "leaf", _no_ranges(check._Gates.leaf))
     assert len(unlike(problem_of([State(n, n, 3)], [], n >= 3), 0, "z3")) == 1

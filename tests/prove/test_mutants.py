@@ -139,6 +139,44 @@ def test_equivalent_in_all_states_that_the_lemmas_leave() -> None:
     assert found["(n == 5): 4 for 5"].kind == PROOF
 
 
+def stays_lit(s: Seen) -> Bit:
+    """Once lit it stays lit."""
+    return implies(s.lit, s.on)
+
+
+STAYS = asked(stays_lit, Climber, id="stays")
+ABOVE_FIVE = "(n == 5): >= for =="
+
+
+def test_what_one_claim_has_proved_of_all_runs_helps_another() -> None:
+    """That there is no state above 5 only the other claim says."""
+    assert fates(STAYS)[ABOVE_FIVE].kind == UNDECIDED
+    assert fates(STAYS, TOP)[ABOVE_FIVE].kind == EQUIVALENT
+
+
+def at_most_four(s: Seen) -> Bit:
+    """It stays below 5: false."""
+    return s.n <= 4
+
+
+def goes(s: Seen) -> Bit:
+    """It is told to climb."""
+    return s.go
+
+
+@pytest.mark.parametrize(
+    "other",
+    [
+        asked(never_seven, Climber, id="unproved", lemmas=(at_most_four,)),
+        asked(never_seven, Climber, id="begun high", lemmas=(at_most_five,), start=at_most_four, anywhere=True),
+        asked(never_seven, Climber, id="told", lemmas=(at_most_five,), given=goes),
+    ],
+    ids=lambda other: other.id,
+)
+def test_what_is_not_proved_of_all_runs_helps_nobody(other: Claim) -> None:
+    assert fates(STAYS, other)[ABOVE_FIVE].kind == UNDECIDED
+
+
 def test_another_value_at_power_up_is_never_equivalent() -> None:
     """Its step is that of the model: it has to be told apart by runs."""
     found = fates(DARK)

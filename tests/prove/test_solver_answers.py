@@ -21,7 +21,7 @@ from safety.prove.claims import (
 from safety.prove.solve import Disagreement, Solver
 from safety.system import ANY
 from safety.terms import Bit, Int, smt
-from tests.prove.small import below_sixteen, passed_in_time, verdict
+from tests.prove.small import below_sixteen, passed_in_time, verdict, with_no_search_for_proofs
 
 
 def silent(monkeypatch: pytest.MonkeyPatch, solver: str, label: str, result: str = "unknown") -> None:
@@ -55,7 +55,7 @@ def test_no_solver_may_agree_to_all_of_it(monkeypatch: pytest.MonkeyPatch) -> No
 def test_what_both_leave_open_is_not_proved(monkeypatch: pytest.MonkeyPatch) -> None:
     silent(monkeypatch, "cvc5", "property")
     silent(monkeypatch, "z3", "property")
-    found = verdict(below_sixteen)
+    found = with_no_search_for_proofs(below_sixteen)
     assert (found.verdict, found.agreed_by) == (BOUNDED, ["z3"])
 
 
@@ -87,7 +87,7 @@ def test_a_solver_that_crashes_confirms_nothing(monkeypatch: pytest.MonkeyPatch)
         raise z3.Z3Exception("out of memory")
 
     monkeypatch.setattr(z3.Solver, "check", crash)
-    found = verdict(below_sixteen)
+    found = with_no_search_for_proofs(below_sixteen)
     assert (found.verdict, found.agreed_by) == (UNDECIDED, [])  # cvc5 proves it, the premise could not be shown
     found = verdict(below_sixteen, witness=Scenario(1))
     assert (found.verdict, found.agreed_by) == (PROVED, ["cvc5"])

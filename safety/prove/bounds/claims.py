@@ -97,10 +97,8 @@ def claim_bound(
     """
     if isinstance(limit, bool) or not isinstance(limit, int | Fraction):
         raise ModelError(f"{id or bound.id}: limit={limit!r} is not exact; give an int or a Fraction")
-    if abs(limit) >= LARGEST:
-        raise ModelError(
-            f"{id or bound.id}: the limit is beyond the doubles that stand beside it; state it in a greater unit"
-        )
+    if not -LARGEST < limit < LARGEST:
+        raise ModelError(f"{id or bound.id}: the limit is greater than a double can be; state it in a greater unit")
     if twin_of is not None and not isinstance(twin_of, BoundClaim):
         raise ModelError(f"{id or bound.id}: twin_of={twin_of!r}; it is what claim_bound or claim_bracket gave")
     _expects(id or bound.id, expect, (PROVED, REFUTED, VACUOUS, UNDECIDED))

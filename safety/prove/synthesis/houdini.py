@@ -100,7 +100,9 @@ class Pruner:
         bounded = [c for c in failing if c.bound is not None and c.retreats < MOST_RETREATS]
         parts = [self._parts(unrolling, at, c) for c in bounded]
         values = self.least_of(unrolling, [(shown, guard) for guard, shown in parts], assumed)
-        dropped = {id(c) for c in failing} - {id(c) for c, value in zip(bounded, values, strict=True) if c.retreat(value)}
+        dropped = {id(c) for c in failing} - {
+            id(c) for c, value in zip(bounded, values, strict=True) if c.retreat(value)
+        }
         return [c for c in kept if id(c) not in dropped]
 
     def _holds(self, unrolling: Unrolling, at: int, c: Candidate, model: Any) -> bool:

@@ -13,9 +13,9 @@ from typing import TYPE_CHECKING, Any, cast
 from safety.prove.synthesis.candidates import Candidate
 from safety.prove.synthesis.conserved import as_int, is_whole
 from safety.prove.synthesis.sampling import Rows, Steps, constants_of, evaluate
-from safety.prove.synthesis.templates import TRUE, Neighbourhood, ages
+from safety.prove.synthesis.templates import TRUE, Neighbourhood, ages, counters
 from safety.system import State
-from safety.terms import Bit, Int
+from safety.terms import Bit
 from safety.terms.graph import BIT, Term, node, postorder, rewrite, variables
 
 if TYPE_CHECKING:
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 LONGEST_TABLE = 64  # values of the register that a table is read by
 OFTEN = 0.02  # share of the steps in which a register moves at its greatest rate
-CONDITIONS = 24  # conditions of the model that are combined for guards of a difference
+LITERALS = 48  # conditions of the model, and their opposites, that are combined for guards of a difference
 BEST = 6  # guards of a difference that are tried
 
 
@@ -114,7 +114,8 @@ def congruences(near: Neighbourhood, steps: Steps) -> list[Candidate]:
             if divisor > 1:
                 a, b = cast(Any, x.var), cast(Any, y.var)
                 rest = (x.power_up + sign * y.power_up) % divisor
-                found.append(Candidate(TRUE, cast(Bit, (a + b * (sign % divisor)) % divisor == rest)))
+                healthy = near.healthy([x.var, y.var])
+                found.append(Candidate(healthy, (a + b * (sign % divisor)) % divisor == rest))
     return found
 
 
@@ -157,9 +158,9 @@ def courses(near: Neighbourhood, steps: Steps, atoms: Sequence[Bit]) -> list[Can
 
 def _course(near: Neighbourhood, guard: Bit, s: State, sign: int, time: State, rate: int) -> Candidate:
     x, t = as_int(s.var), as_int(time.var)
-    shown = (x if sign > 0 else -x) - t * rate
-    text = f"{'' if sign > 0 else '-'}{s.path} {'-' if rate > 0 else '+'} {abs(rate)}*{time.path}"
-    return Candidate(cast(Bit, near.healthy([s.var]) & guard), cast(Int, shown), None, text)
+    grown = time.path if abs(rate) == 1 else f"{abs(rate)}*{time.path}"
+    text = f"{'' if sign > 0 else '-'}{s.path} {'-' if rate > 0 else '+'} {grown}"
+    return Candidate(near.healthy([s.var]) & guard, (x if sign > 0 else -x) - t * rate, None, text)
 
 
 def _rate(changes: Lanes) -> int:
@@ -171,13 +172,13 @@ def _rate(changes: Lanes) -> int:
 def _own_guards(near: Neighbourhood, s: State, atoms: Sequence[Bit]) -> list[Bit]:
     """Literals: flags beside a register, comparisons of it, and that it is at its lowest."""
     low = cast(Any, s.var) == s.var.sort.bounds[0]
-    around = near.near([s.var]) | {v.uid for v in near.states.values() if False}
+    around = near.near([s.var])
     found: list[Bit] = []
     for a in atoms:
         alone = [v.uid for v in variables([a])] == [s.var.uid]
         flag = a.op == "var" and (a.uid in around or near.states[a.uid].path.startswith("watch."))
         if flag or (alone and (a.op in ("lt", "le") or a is low)):
-            found += [a, cast(Bit, ~a)]
+            found += [a, ~a]
     return found
 
 
@@ -185,40 +186,41 @@ def _own_guards(near: Neighbourhood, s: State, atoms: Sequence[Bit]) -> list[Bit
 
 
 def differences(near: Neighbourhood, steps: Steps) -> list[Candidate]:
-    """Under two conditions of the model a difference of two registers never falls, and starts from a value that says
+    """Under two conditions of the model a difference of two counters never falls, and starts from a value that says
     something: bounded by the least value at which these conditions are entered.
     """
     found: list[Candidate] = []
-    literals = [literal for c in conditions(near) for literal in (c, cast(Bit, ~c))]
-    if not literals:
-        return found
+    made = conditions(near)
+    counting = [s for s in counters(near, steps) if len(steps)]
+    pairs = [(x, y) for x, y in itertools.permutations(counting, 2) if near.near([x.var, y.var])]
+    literals = [literal for c in made for literal in (c, ~c)] if pairs else []
     was, is_ = (evaluate(literals, rows) for rows in (steps.before, steps.after))
-    for x, y in itertools.permutations(moving(near, False), 2):
-        if not near.near([x.var, y.var]):
-            continue
-        values = [rows[x.var.uid].astype(object) - rows[y.var.uid] for rows in (steps.before, steps.after)]
+    for x, y in pairs:
+        around = near.near([x.var, y.var])
+        beside = [i for i, c in enumerate(literals) if all(v.uid in around for v in variables([c]))][:LITERALS]
+        values = [rows[x.var.uid] - rows[y.var.uid] for rows in (steps.before, steps.after)]
+        falls = values[1] < values[0]
         tried: list[tuple[int, int, Bit]] = []
-        for i, j in itertools.combinations(range(len(literals)), 2):
+        for i, j in itertools.combinations(beside, 2):
             before, after = was[i] & was[j], is_[i] & is_[j]
             stays, enters = before & after, ~before & after
-            if not stays.any() or not enters.any() or (values[1][stays] < values[0][stays]).any():
+            if not stays.any() or not enters.any() or (falls & stays).any():
                 continue
             bound = int(values[1][enters].min())
             if bound > int(values[0][before].min()):
-                tried.append((-bound, -int(before.sum()), cast(Bit, literals[i] & literals[j])))
-        shown, text = cast(Int, as_int(x.var) - as_int(y.var)), f"{x.path} - {y.path}"
+                tried.append((-bound, -int(before.sum()), literals[i] & literals[j]))
+        shown, text = as_int(x.var) - as_int(y.var), f"{x.path} - {y.path}"
         healthy = near.healthy([x.var, y.var])
         for bound, _, guard in sorted(tried, key=lambda one: one[:2])[:BEST]:
-            found.append(Candidate(cast(Bit, healthy & guard), shown, -bound, text))
+            found.append(Candidate(healthy & guard, shown, -bound, text))
     return found
 
 
 def conditions(near: Neighbourhood) -> list[Bit]:
-    """The conditions over registers that the model and the claim make, the smallest first."""
+    """The conditions over registers alone that the model and the claim make; what a condition reads comes before it."""
     roots = [near.problem.holds, *(s.next for s in near.states.values())]
-    found = [
-        t
+    return [
+        cast(Bit, t)
         for t in postorder(roots)
         if t.sort == BIT and t.op not in ("var", "const", "not") and all(v.uid in near.states for v in variables([t]))
     ]
-    return cast("list[Bit]", found[:CONDITIONS])

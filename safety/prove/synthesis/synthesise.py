@@ -17,7 +17,18 @@ from safety.prove.synthesis.houdini import OutOfTime, Pruner
 from safety.prove.synthesis.minimal import needed
 from safety.prove.synthesis.sampling import Rows, Sampler, Steps, conjuncts, joined
 from safety.prove.synthesis.shapes import codes, shapes
-from safety.prove.synthesis.templates import Neighbourhood, atoms, bounds, ceiling_of, ceilings, clauses, clocks, rates, residues, telling
+from safety.prove.synthesis.templates import (
+    Neighbourhood,
+    atoms,
+    bounds,
+    ceiling_of,
+    ceilings,
+    clauses,
+    clocks,
+    rates,
+    residues,
+    telling,
+)
 from safety.terms import Bit
 from safety.terms.graph import postorder, variables
 from safety.terms.values import all_of
@@ -49,7 +60,6 @@ def synthesise(problem: Problem, seconds: float, say: Callable[[str], None] | No
     deadline = time.monotonic() + seconds
     say = say or (lambda _: None)
     searches = [_Search(part, deadline) for part in layers(problem)]
-    globals()["LAST"] = searches
     running = [(search, search.stages()) for search in searches]
     for stage in STAGES:
         for search, stages in running:
@@ -63,6 +73,15 @@ def synthesise(problem: Problem, seconds: float, say: Callable[[str], None] | No
             if time.monotonic() > deadline:
                 return Found(why=f"lemma synthesis was stopped after {seconds:g} s")
     return Found(why="the property does not follow from the lemmas that were found")
+
+
+def clause_lemmas(problem: Problem, seconds: float) -> dict[str, Bit]:
+    """The clauses over the registers next to the property that are inductive together."""
+    search = _Search(next(layers(problem)), time.monotonic() + seconds)
+    for stage, _ in zip(STAGES, search.stages(), strict=False):
+        if stage == "clauses":
+            break
+    return search.lemmas()
 
 
 def layers(problem: Problem) -> Iterator[Problem]:
@@ -191,7 +210,13 @@ class _Search:
         """Rates of forms; none where finding them takes too long."""
         self.pruner.deadline = self.soon()
         try:
-            self.keep(fit(rates(self.pruner, self.near, steps, some, self.atoms, self.settled(), flags), rows, start=True))
+            self.keep(
+                fit(
+                    rates(self.pruner, self.near, steps, some, self.atoms, self.settled(), self.tops(), flags),
+                    rows,
+                    start=True,
+                )
+            )
         except OutOfTime as error:
             self.why = str(error)
 

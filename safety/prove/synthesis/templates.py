@@ -217,7 +217,7 @@ def times(problem: Problem) -> list[State]:
 
 def rates(
     pruner: Pruner, near: Neighbourhood, steps: Steps, forms: Sequence[Form], atoms: Sequence[Bit],
-    settled: Sequence[Bit], flags: bool,
+    settled: Sequence[Bit], tops: Mapping[int, int], flags: bool,
 ) -> list[Candidate]:  # fmt: skip
     """`form >= rate * time + constant` where a time grows and a guard does not fail (then: up to where it fails).
 
@@ -235,8 +235,7 @@ def rates(
             single = len(form.registers) == 1 and not form.change
             if single and flags:
                 continue
-            guards = [TRUE] if single else [g for g in guards_of(near, form, atoms) if _is_flag(g) == flags]
-            guards = [TRUE, *guards] if flags else guards
+            guards = [TRUE, *(g for g in guards_of(near, form, atoms) if not single and _is_flag(g) == flags)]
             healthy = near.healthy(form.registers)
             for shown, text in ((form.term(), show(form)), (cast(Int, -form.term()), f"-({show(form)})")):
                 values = [evaluate([shown, healthy, *guards], rows) for rows in (before, steps.after)]
@@ -246,10 +245,12 @@ def rates(
                     where = admitted & (advance > 0) & values[0][1] & was & is_
                     rate = min((int(c // a) for c, a in zip(change[where], advance[where], strict=True)), default=0)
                     low, high = shown.sort.bounds
-                    if (rate < 0 and -SLOW * rate <= high - low) if single else rate > 0:
+                    falling = rate < 0 and guard.is_const and not flags and -SLOW * rate <= high - low
+                    if falling or (rate > 0 and not single):
                         seen.append((-int(where.sum()), rate, guard))
                 for _, rate, guard in sorted(seen, key=lambda one: one[0])[: None if flags else WIDEST]:
-                    raced = _race(pruner, (healthy, shown, text), guard, t, time.next, rate, settled)
+                    counting = cast(Bit, t < tops[time.var.uid]) if rate < 0 and time.var.uid in tops else TRUE
+                    raced = _race(pruner, (healthy & counting, shown, text), guard, t, time.next, rate, settled)
                     found += raced
                     if raced and guard.is_const:
                         break
@@ -274,7 +275,12 @@ def _race(
     start = least if rate > 0 else None  # below 0: a fall is bounded, from what is seen at the start
     found = [Candidate(healthy & free, cast(Int, shown - t * rate), start, f"{text} - {rate}*{t_name(t)}")]
     flag = cast(Bit, ~free)
-    if free.is_const or rate < 0 or (entry := pruner.least_at_entry(shown, flag, (healthy, *settled))) is None or entry < least:
+    if (
+        free.is_const
+        or rate < 0
+        or (entry := pruner.least_at_entry(shown, flag, (healthy, *settled))) is None
+        or entry < least
+    ):
         return found
     enough = (entry - least) // rate
     capped = select(t < enough, t, enough)
@@ -323,7 +329,10 @@ def clocks(near: Neighbourhood, steps: Steps, atoms: Sequence[Bit], most: int) -
         for s in counters(near, steps):
             w = as_int(s.var)
             limits = [p for p in _limits(near, s) if p.uid != time.var.uid]
-            shown: list[tuple[Int, str]] = [(cast(Int, w - t), f"{s.path} - {time.path}"), (cast(Int, -t), f"-{time.path}")]
+            shown: list[tuple[Int, str]] = [
+                (cast(Int, w - t), f"{s.path} - {time.path}"),
+                (cast(Int, -t), f"-{time.path}"),
+            ]
             for p in limits:
                 shown += [(cast(Int, e + as_int(p)), f"{text} + {p.attr}") for e, text in shown[:2]]
             literals = guards_of(near, Form(((1, (s.var,)),), ()), atoms)
