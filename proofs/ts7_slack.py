@@ -9,7 +9,7 @@ Source: isolation of the channel that stands alone, lowering, AC drive [P]; rule
 from __future__ import annotations
 
 from models.ts7.power import Power
-from models.ts7.ring import Ring
+from models.ts7.ring import Ring, Words
 from models.ts7.signals import Selection
 from models.ts7.system import Ts7
 from models.ts7.threshold import Thresholds
@@ -24,6 +24,7 @@ from safety import (
     PROVED,
     REFUTED,
     Bit,
+    Int,
     Scenario,
     Seen,
     UInt,
@@ -162,6 +163,19 @@ def no_verdict_at_all(s: Seen) -> Bit:
     return ~any_of(*(s.sync[f"isolate_{n}"] for n in CHANNELS))
 
 
+@claim(CommonPart, expect=PROVED, requirement="TS7-12", source="always-energised relays [P]")
+def brakes_just_where_a_contact_is_open(s: Seen) -> Bit:
+    """NB and EB are there just where the contact of their relay is open."""
+    return (s.nb ^ s.nb_relay.contact) & (s.eb ^ s.eb_relay.contact)
+
+
+@claim(CommonPart, expect=REFUTED, requirement="TS7-12", twin_of=brakes_just_where_a_contact_is_open,
+       scenario=Scenario(1000, {"supply": True, "a.drive": True, "b.drive": True, "c.drive": True}))  # fmt: skip
+def brakes_for_ever(s: Seen) -> Bit:
+    """NB and EB are there whatever the contacts do."""
+    return s.nb & s.eb
+
+
 # --- a channel ------------------------------------------------------------------------------------------------------
 
 
@@ -252,6 +266,26 @@ def pulses_come_just_with_the_last_carry(s: Seen) -> Bit:
 def no_carry_without_a_pulse(s: Seen) -> Bit:
     """Every carry out of the last bit of J1 gives a pulse, whether the speed pulse is still there or not."""
     return implies((s.place == 15) & s["carry.out"], s.o1)
+
+
+def sums(s: Seen) -> list[Int]:
+    """What each word and its datum add up to, for J1 at a speed pulse only."""
+    data = (s.d0, select(s.pulse, s.d1, 0), s.d2, s.d3)
+    return [s[f"j{w}"].int() + datum.int() for w, datum in enumerate(data)]
+
+
+@claim(Words, expect=PROVED, requirement="TS7-4", source="[P] ring of 4 x 8 bits, serial adder")
+def each_word_counts_its_datum_modulo_256(s: Seen) -> Bit:
+    """Each frame adds to each word its datum; from 256 on it overflows and keeps the rest."""
+    rest = [previous(select(total >= 256, total - 256, total), 0) for total in sums(s)]
+    kept = all_of(*(s[f"j{w}"].int() == rest[w] for w in WORDS))
+    return implies(once(bit(True)), kept) & all_of(*(s[f"o{w}"] == (total >= 256) for w, total in enumerate(sums(s))))
+
+
+@claim(Words, expect=REFUTED, requirement="TS7-4", twin_of=each_word_counts_its_datum_modulo_256)
+def speed_overflows_without_a_speed_pulse(s: Seen) -> Bit:
+    """J1 overflows wherever its datum would take it there, whether a speed pulse comes or not."""
+    return s.o1 == (s.j1.int() + s.d1.int() >= 256)
 
 
 # --- signals and power ----------------------------------------------------------------------------------------------

@@ -171,7 +171,7 @@ def sort_of(text: str, place: str) -> Sort:
 def _constant(value: Any, sort: Sort, place: str) -> Any:
     """The value that a constant of a sort stands for."""
     if sort.kind == "real":
-        fits = type(value) is str and re.fullmatch(r"-?\d{1,400}(/[1-9]\d{0,399})?", value, re.ASCII)
+        fits = type(value) is str and bool(re.fullmatch(r"-?\d{1,400}(/[1-9]\d{0,399})?", value, re.ASCII))
     else:
         fits = type(value) is (int if sort.bits else bool) and sort.low <= value <= sort.high
     _need(fits, place, f'a {sort.kind} value, e.g. 7, true or "-1/3", not {value!r}')
@@ -189,7 +189,8 @@ def well_sorted(op: str, attr: Any, sort: Sort, args: Sequence[Sort]) -> bool:
 
 def _node(entry: Any, before: Sequence[Node], place: str) -> Node:
     """One node, well sorted over those before it."""
-    op, args, attr, sort = *entry[:3], sort_of(entry[3], place)
+    op, args, attr, text = entry
+    sort = sort_of(text, place)
     _need(op in ARITY and len(args) == ARITY[op], place, f"an operation and its arguments, not {op} of {args}")
     _need(all(0 <= a < len(before) for a in args), place, f"arguments before it, not {args}")
     _shaped(attr, ATTRIBUTES.get(op, type(None)), f"{place}, attribute of {op}")
@@ -448,7 +449,7 @@ class _Gates:
                 product = self.product(list(one), product, min(bits, len(one) + len(product)))
             rest = any(self.made[abs(b)][0] not in ("var", "true") for one in atoms for b in one)
             sums[rest] = self.sum(sums[rest], product, bits, 1 if factor > 0 else -1)
-        return self.sum(*sums, bits)
+        return self.sum(sums[0], sums[1], bits)
 
     def value(self, x: Form, sort: Sort) -> Bits:
         """A number of a sort in the sort's bits."""
@@ -601,7 +602,7 @@ def _template(n: Node, sorts: Sequence[Sort], width: int) -> str:
 
 
 def smt(c: Certificate, one: Obligation) -> str:
-    """An obligation's negation, contradictory if and only if it holds; in bits, all numbers are vectors of one width."""
+    """An obligation's negation, contradictory if and only if it holds; in bits, numbers are vectors of one width."""
     nodes = [c.nodes[i] for step in _needed(c, one) for i in step]
     numbers = [Sort("int", 0, n.attr) for n in nodes if n.op in ("div", "mod", "bit")]
     width = 0 if c.integers else 2 + max(sort.bits for sort in (*numbers, *(n.sort for n in nodes)))

@@ -18,16 +18,17 @@ from safety.system import ModelError
 from safety.terms import Bit
 from safety.terms.graph import describe
 from safety.terms.smt import Encoder
+from safety.trace import Trace
 
 QUICK = 10.0  # seconds at most for a question whose answer is only a note
 
 
-def says_less(problem: Problem, limits: Limits) -> Iterator[str]:
-    """In what a claim that holds says less than it seems to."""
+def says_less(problem: Problem, limits: Limits, known: Trace | None) -> Iterator[str]:
+    """In what a claim that holds says less than it seems to; `known` is a run that keeps its assumptions."""
     timeout = min(limits.timeout, QUICK)
     if _holds_of_any_model(problem, timeout):
         yield "it holds whatever the model does: it says nothing about this one"
-    last = ends_after(problem, problem.claim.steps, uses_reals(problem), timeout)
+    last = ends_after(problem, problem.claim.steps, uses_reals(problem), timeout, known)
     if last is not None:
         yield f"no run keeps what is assumed for more than {last} steps: it says nothing of later ones"
 
@@ -40,32 +41,35 @@ def _holds_of_any_model(problem: Problem, timeout: float) -> bool:
     return solver.check() == UNSAT
 
 
-def show_premises(problem: Problem, outcome: Outcome, limits: Limits) -> None:
+def show_premises(problem: Problem, outcome: Outcome, limits: Limits) -> Trace | None:
     """Show that each premise (with the assumptions) can happen; a claim that never says anything is vacuous.
 
-    Raises `ModelError` for a witness that shows no premise.
+    Gives a run in which the last of them does; None where a witness shows it, or nothing does.  Raises `ModelError` for
+    a witness that shows no premise.
     """
-    met = _witnessed(problem)
+    met, run = _witnessed(problem), None
     for i, premise in enumerate(problem.premises):
         too_late = i in met and outcome.verdict == BOUNDED and met[i] >= (outcome.steps or 0)
         if too_late and _bounded(problem, premise, limits).run is None:
             _too_short(outcome, met[i])
-            return
+            return None
         if i not in met:
             found = _bounded(problem, premise, limits)
             if found.run is None and (never := _never(problem, premise, limits)) is not None:
                 _vacuous(outcome, premise, never)
-                return
+                return None
             if found.run is None and limits.simulation > 0:
                 found.run = reach(problem, premise, DEEPEST, limits.simulation)
             if found.run is None:
                 _unmet(outcome, premise, found)
-                return
-            met[i] = len(found.run) - 1
+                return None
+            run = found.run
+            met[i] = len(run) - 1
             if outcome.verdict == BOUNDED and met[i] >= (outcome.steps or 0):
                 _too_short(outcome, met[i])
-                return
+                return None
     outcome.premise_at = max(met.values())
+    return run
 
 
 def _bounded(problem: Problem, target: Bit, limits: Limits) -> search.Found:

@@ -75,9 +75,9 @@ def _decide(problem: Problem, limits: Limits, say: Progress) -> Outcome:
     plan: list[Callable[[], bool]] = [getattr(attempt, name) for name in ("scenario", *PLANS[problem.claim.expect])]
     any(means() for means in plan)
     if outcome.verdict in (PROVED, BOUNDED):
-        show_premises(outcome.problem or problem, outcome, limits)
+        run = show_premises(outcome.problem or problem, outcome, limits)
     if outcome.verdict in (PROVED, BOUNDED):
-        outcome.because(*says_less(problem, limits))
+        outcome.because(*says_less(problem, limits, run))
     return outcome
 
 

@@ -2,30 +2,25 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-from typing import cast
-
-from safety.prove.falsify import reach
-from safety.prove.problem import Problem
+from safety.prove.problem import Problem, observed
 from safety.prove.solve import SAT, UNSAT, Solver, Unrolling
-from safety.system import State
-from safety.terms import UInt, select
-from safety.terms.graph import uint, variable, variables
-
-TRY = 1.0  # seconds to look for a run by simulation, which is cheaper than to ask
+from safety.system import ModelError
+from safety.terms.graph import variables
+from safety.trace import Trace, run
 
 
-def ends_after(problem: Problem, steps: int, integers: bool, timeout: float) -> int | None:
+def ends_after(problem: Problem, steps: int, integers: bool, timeout: float, known: Trace | None = None) -> int | None:
     """The number of steps, below `steps`, for which a run can keep the assumptions; None where no such end is found.
 
     Assumptions that read no changing register can be kept for ever if they can at all, and a witness keeps them as long
-    as it runs.  `timeout` in seconds is for a question; one that stays open finds no end.
+    as it runs.  Nothing is asked where a run that is `known` to keep them for some steps does so for all, its inputs
+    left as they are at its end.  `timeout` in seconds is for a question; one that stays open finds no end.
     """
     moving = {s.var.uid for s in problem.system.states if s.next is not s.var}
     witness = problem.claim.witness
     if (witness is not None and witness.steps >= steps) or not any(v.uid in moving for v in variables([problem.given])):
         return None
-    if _kept_in_simulation(problem, steps):
+    if known is not None and _goes_on(problem, known, steps):
         return None
     unrolling = Unrolling(problem.system, "z3", integers)
 
@@ -42,10 +37,12 @@ def ends_after(problem: Problem, steps: int, integers: bool, timeout: float) -> 
     return next((k for k in reversed(range(steps)) if answer(k) == SAT), None)
 
 
-def _kept_in_simulation(problem: Problem, steps: int) -> bool:
-    """Whether simulation soon meets a run of so many steps; such a run is one, whatever else there is."""
-    width = steps.bit_length()
-    taken = cast(UInt, variable("watch.taken", uint(width)))
-    counts = State(taken, select(taken < steps, (taken + 1).low(width), taken), 0)
-    system = replace(problem.system, states=(*problem.system.states, counts))
-    return reach(replace(problem, system=system), taken == steps - 1, steps, TRY) is not None
+def _goes_on(problem: Problem, known: Trace, steps: int) -> bool:
+    def row(k: int) -> dict[str, object]:
+        return {path: known[path][min(k, len(known) - 1)] for path in problem.system.inputs}
+
+    try:
+        kept = run(observed(problem), row, steps, start=known.chosen, keep=["claim.given"])
+    except ModelError:
+        return False
+    return all(kept["claim.given"])

@@ -17,7 +17,7 @@ from safety.prove.solve import Solver
 from safety.system import ModelError
 from safety.terms import U4, Bit, bit, implies, word
 from safety.terms.smt import SolverMissingError, solver_module
-from tests.prove.small import asked, below_sixteen, verdict
+from tests.prove.small import asked, below_sixteen, verdict, with_no_search_for_proofs
 
 # --- claims that say nothing -----------------------------------------------------------------------------------------
 
@@ -155,9 +155,15 @@ def test_a_solver_that_breaks_down_leaves_the_proof_to_the_other(
 def test_when_all_solvers_break_down_nothing_is_decided(monkeypatch: pytest.MonkeyPatch, expect: str) -> None:
     broken(monkeypatch, ("z3", "cvc5"), MemoryError("out of memory"))
     for formula in (below_sixteen, lambda s: ~s.high, lambda s: implies(s.n.int() > 20, s.high)):
-        found = verdict(formula, expect=expect)
+        found = with_no_search_for_proofs(formula, expect=expect)
         assert (found.verdict, found.counterexample) == (UNDECIDED, None)
         assert "out of memory" in found.why
+
+
+def test_without_a_solver_simulation_still_refutes(monkeypatch: pytest.MonkeyPatch) -> None:
+    broken(monkeypatch, ("z3", "cvc5"), MemoryError("out of memory"))
+    found = verdict(lambda s: ~s.high, expect=REFUTED)
+    assert (found.verdict, found.steps) == (REFUTED, 9)
 
 
 def test_z3_without_memory_is_undecided_and_no_fault_of_ours(monkeypatch: pytest.MonkeyPatch) -> None:

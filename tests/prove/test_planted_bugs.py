@@ -71,7 +71,7 @@ def premises_met_by_any(m: pytest.MonkeyPatch) -> None:
         found = search.bounded(p, p.premise, p.claim.steps, False, 20)
         rest[0].premise_at = len(found.run) - 1 if found.run else None
 
-    m.setattr(prove, "_premises", first)
+    m.setattr(prove, "show_premises", first)
 
 
 def with_problem(change: Callable[[Any], Any]) -> Plant:
@@ -94,8 +94,8 @@ def power_up_anywhere(m: pytest.MonkeyPatch) -> None:
 def one_step_less(m: pytest.MonkeyPatch) -> None:
     bounded = search.bounded
 
-    def shorter(p: Any, target: Any, steps: int, *rest: Any) -> search.Found:
-        found = bounded(p, target, steps - 1, *rest)
+    def shorter(p: Any, target: Any, steps: int, *rest: Any, **more: Any) -> search.Found:
+        found = bounded(p, target, steps - 1, *rest, **more)
         return found if found.run else replace(found, searched=steps)
 
     m.setattr(search, "bounded", shorter)

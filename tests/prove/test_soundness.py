@@ -31,7 +31,7 @@ from safety.system import ANY, ModelError
 from safety.terms import U2, U4, U8, Bit, Real, UInt, bit, implies, select, word
 from safety.terms.graph import graph_size
 from safety.tracing import trace
-from tests.prove.small import Counter, asked, below_sixteen, passed_in_time, verdict
+from tests.prove.small import Counter, asked, below_sixteen, passed_in_time, verdict, with_no_search_for_proofs
 
 # --- premises ------------------------------------------------------------------------------------------------------
 
@@ -87,7 +87,9 @@ def test_a_premise_beyond_the_bound_is_undecided_until_a_witness_shows_it() -> N
     def late(s: Seen) -> Bit:
         return implies(s.n == 15, s.high)
 
-    assert verdict(late).verdict == UNDECIDED
+    assert with_no_search_for_proofs(late).verdict == UNDECIDED
+    found = verdict(late)  # simulation goes further than the search
+    assert (found.verdict, found.premise_at) == (PROVED, 15)
     found = verdict(late, witness=Scenario(20, {"go": True}))
     assert (found.verdict, found.premise_at) == (PROVED, 15)
     with pytest.raises(ModelError, match="never reaches the premise in 4 steps"):
@@ -275,7 +277,14 @@ def test_an_open_parameter_is_anything_in_its_range_and_never_changes() -> None:
     )
     found = verdict(lambda s: s.sum_ != 10, Scaled, symbolic=("amount",), expect=REFUTED)
     assert found.steps == 3 and found.counterexample is not None and found.counterexample.chosen["amount"] == 5
-    assert verdict(lambda s: s.sum_ != 10, Scaled, settings={"amount": 3}, steps=5).verdict == BOUNDED
+
+    def never_ten(s: Seen) -> Bit:
+        """False after 174 steps, as 3 * 174 = 522 = 2 * 256 + 10."""
+        return s.sum_ != 10
+
+    kept = with_no_search_for_proofs(never_ten, model=Scaled, settings={"amount": 3}, steps=5)
+    assert (kept.verdict, kept.steps) == (BOUNDED, 5)
+    assert verdict(never_ten, Scaled, settings={"amount": 3}, steps=5).steps == 175
 
 
 class Filter(Model, event="tick"):
@@ -296,7 +305,14 @@ def test_reals_are_proved_and_refuted_exactly() -> None:
 
     found = verdict(small, Filter, given=within, arithmetic=BITS)  # a real has no bits: asked in integers
     assert (found.verdict, found.agreed_by) == (PROVED, ["z3", "cvc5"])
-    assert verdict(lambda s: s.y < 3, Filter, given=within, induction=0, steps=4).verdict == BOUNDED
+
+    def below(s: Seen) -> Bit:
+        """True: the mean of two numbers below 3 and at most 3 is below 3."""
+        return s.y < 3
+
+    kept = with_no_search_for_proofs(below, model=Filter, given=within, induction=0, steps=4)
+    assert (kept.verdict, kept.steps) == (BOUNDED, 4)
+    assert verdict(below, Filter, given=within, induction=0, steps=4).verdict == PROVED  # by another engine
     found = verdict(lambda s: s.y <= Fraction(5, 2), Filter, given=within, expect=REFUTED)
     assert (found.verdict, found.steps) == (REFUTED, 4)
     assert (

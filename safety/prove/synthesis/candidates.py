@@ -16,7 +16,7 @@ from safety.terms.graph import Term, describe, postorder
 from safety.terms.values import implies
 
 if TYPE_CHECKING:
-    import numpy.typing as npt
+    from safety.prove.synthesis.sampling import Lanes
 
 MOST_RETREATS = 8
 
@@ -85,16 +85,6 @@ def fit(candidates: Sequence[Candidate], rows: Rows, start: bool = False) -> lis
     return kept
 
 
-def _least(guard: npt.NDArray[object], values: npt.NDArray[object]) -> int | None:
+def _least(guard: Lanes, values: Lanes) -> int | None:
     inside = values[guard.astype(bool)]
     return int(inside.min()) if len(inside) else None
-
-
-def key(candidate: Candidate) -> tuple[int, int]:
-    """What makes two candidates the same but for the bound."""
-    return candidate.guard.uid, candidate.shown.uid
-
-
-def as_terms(candidates: Sequence[Candidate]) -> list[Term]:
-    """The formulas of candidates."""
-    return [c.lemma for c in candidates]

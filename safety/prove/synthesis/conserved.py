@@ -205,7 +205,7 @@ def jumps(steps: Steps, group: Sequence[State], wraps: bool) -> Matrix:
     found = np.zeros(len(steps), dtype=bool)
     for s in group:
         before, after = steps.before[s.var.uid], steps.after[s.var.uid]
-        low, high = s.var.sort.bounds
+        low = s.var.sort.bounds[0]
         down = bool(((after - before == -1) & (after > low)).any())
         constants = {int(t.attr) for t in postorder([s.next]) if t.is_const and is_whole(t)}
         for reset in {low, *constants, *([s.power_up] if type(s.power_up) is int else [])}:

@@ -99,7 +99,7 @@ class Pruner:
         failing = [c for c in kept if not self._holds(unrolling, at, c, model)]
         bounded = [c for c in failing if c.bound is not None and c.retreats < MOST_RETREATS]
         parts = [self._parts(unrolling, at, c) for c in bounded]
-        values = self.least_of(unrolling, [(shown, guard) for guard, shown in parts], assumed)
+        values = [self.least(unrolling, shown, [*assumed, guard]) for guard, shown in parts]
         dropped = {id(c) for c in failing} - {
             id(c) for c, value in zip(bounded, values, strict=True) if c.retreat(value)
         }
@@ -108,12 +108,6 @@ class Pruner:
     def _holds(self, unrolling: Unrolling, at: int, c: Candidate, model: Any) -> bool:
         value = model.eval(self._formula(*self._parts(unrolling, at, c), c), model_completion=True)
         return bool(self.k.is_true(value))
-
-    def least_of(
-        self, unrolling: Unrolling, questions: Sequence[tuple[Any, Any]], assumed: Sequence[Any]
-    ) -> list[int | None]:
-        """The least value of each expression under its guard; None where there is none to be found."""
-        return [self.least(unrolling, shown, [*assumed, guard]) for shown, guard in questions]
 
     def least(self, unrolling: Unrolling, shown: Any, assumed: Sequence[Any]) -> int | None:
         """The least value of an expression; None when there is none to be found."""
@@ -161,5 +155,5 @@ class Pruner:
 
     def least_at_entry(self, shown: Term, flag: Bit, settled: Sequence[Bit]) -> int | None:
         """The least value of `shown` right after a step that makes `flag` true."""
-        assumed = self.step.at(0, [self.problem.given, cast(Bit, ~flag), *settled])
+        assumed = self.step.at(0, [self.problem.given, ~flag, *settled])
         return self.least(self.step, self.step.at(1, [shown])[0], [*assumed, self.step.at(1, [flag])[0]])

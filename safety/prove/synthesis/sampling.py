@@ -9,6 +9,7 @@ import math
 import time
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
 from safety.prove.problem import Problem
@@ -109,22 +110,20 @@ class Draws:
         if v.sort.kind == "bit":
             if v.uid in self.fixed:
                 return np.full(n, self.fixed[v.uid])
-            return self.random.random(n) < self.random.choice([0.03, 0.5, 0.97])
+            wires: Lanes = self.random.random(n) < self.random.choice([0.03, 0.5, 0.97])
+            return wires
         if v.sort.kind == "real":
-            from fractions import Fraction
-
-            values = [Fraction(int(k), 4) for k in self.random.integers(-200, 201, n)]
-            return np.array(values, dtype=object)
+            quarters = self.random.integers(-200, 201, n)
+            return np.array([Fraction(int(k), 4) for k in quarters], dtype=object)
         low, high = self.range[v.uid]
         if low > high:
             low, high = v.sort.bounds
-        special = [c for k in self.constants.get(v.uid, ()) for c in (k - 1, k, k + 1)] + [low, low + 1, high - 1, high]
-        pool = np.array(sorted({c for c in special if low <= c <= high}), dtype=object)
-        style = self.random.random(n)
-        values = np.array(self._uniform(low, high, n), dtype=object)
+        near = [c for k in self.constants.get(v.uid, ()) for c in (k - 1, k, k + 1)] + [low, low + 1, high - 1, high]
+        pool = np.array(sorted({c for c in near if low <= c <= high}), dtype=object)
+        uniform = np.array(self._uniform(low, high, n), dtype=object)
         chosen = pool[self.random.integers(0, len(pool), n)]
-        values = np.where(style < share, chosen, values)
-        return values.astype(lane_type(v))
+        drawn: Lanes = np.where(self.random.random(n) < share, chosen, uniform).astype(lane_type(v))
+        return drawn
 
     def _uniform(self, low: int, high: int, n: int) -> Any:
         if high - low < 2**62:

@@ -1,6 +1,6 @@
 """Templates: what is worth guessing about registers that are read together.
 
-Clauses: one atom entails another (ends of counters, latches, mutual exclusion).  Bounds: a conserved form under a guard.
+Clauses: one atom entails another (ends of counters, latches, mutual exclusion).  Bounds: a form under a guard.
 Rates: while something persists, a form runs ahead of the time that it has persisted, or of a sum.
 """
 
@@ -9,7 +9,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterable, Mapping, Sequence
 from math import gcd
-from typing import Any, cast
+from typing import TYPE_CHECKING, Any, cast
 
 from safety.prove.problem import Problem
 from safety.prove.synthesis.candidates import Candidate
@@ -20,6 +20,9 @@ from safety.system import State
 from safety.terms import Bit, Int
 from safety.terms.graph import Term, postorder, variables
 from safety.terms.values import all_of, any_of, bit, select
+
+if TYPE_CHECKING:
+    import numpy.typing as npt
 
 FEW = 8  # values of a register all of which are atoms
 SMALL = 16  # values of a register each of which is an atom of its own
@@ -58,12 +61,8 @@ class Neighbourhood:
         for v in registers:
             if v.uid in self.states:
                 read |= {w.uid for w in variables([self.states[v.uid].next])}
-        own = {s.var.uid for s in self.states.values() if s.next is s.var}
-        acting = [
-            acted
-            for acted, leaves in zip(self.problem.faulted.acted, self.faults, strict=True)
-            if leaves & read and not leaves <= own - {v.uid for v in variables([acted])}
-        ]
+        acted = zip(self.problem.faulted.acted, self.faults, strict=True)
+        acting = [fault for fault, leaves in acted if leaves & read]
         return ~any_of(*acting) if acting else TRUE
 
 
@@ -131,12 +130,12 @@ def clauses(near: Neighbourhood, atoms: Sequence[Bit], rows: Rows) -> list[Candi
     """Implications between atoms over registers that are read together, and atoms that always hold, as sampled."""
     import numpy as np
 
-    literals = [literal for a in atoms for literal in (a, cast(Bit, ~a))]
+    literals = [literal for a in atoms for literal in (a, ~a)]
     table = np.array([column.astype(bool) for column in evaluate(literals, rows)])
     where = [{v.uid for v in variables([a])} for a in literals]
     always = table.all(axis=1)
     found = [_clause(near, TRUE, literals[i]) for i in np.flatnonzero(always)]
-    violated = (table.astype(np.uint8) @ (~table).astype(np.uint8).T).astype(np.int64)
+    violated: npt.NDArray[Any] = np.asarray(table.astype(np.int32) @ (~table).astype(np.int32).T)
     together = list(near.members.values())
     for i, j in zip(*np.nonzero(violated == 0), strict=True):
         if always[j] or not table[i].any() or i // 2 == j // 2 or i > (j ^ 1):
@@ -175,7 +174,7 @@ def bounds(
                 continue
             for falls, sided, text in (
                 ((seen < 0).mean(), shown, show(form)),
-                ((seen > 0).mean(), cast(Int, -shown), f"-({show(form)})"),
+                ((seen > 0).mean(), -shown, f"-({show(form)})"),
             ):
                 if falls <= SELDOM:
                     found.append(Candidate(healthy & guard, sided, None, text))
@@ -184,7 +183,7 @@ def bounds(
 
 def below(form: Form, tops: Mapping[int, int]) -> list[Bit]:
     """Nothing; or, of a form with registers that stop counting at a top: that one of them is below its top."""
-    return [cast(Bit, as_int(v) < tops[v.uid]) for v in form.registers if v.uid in tops] or [TRUE]
+    return [as_int(v) < tops[v.uid] for v in form.registers if v.uid in tops] or [TRUE]
 
 
 def guards_of(near: Neighbourhood, form: Form, atoms: Sequence[Bit]) -> list[Bit]:
@@ -193,7 +192,7 @@ def guards_of(near: Neighbourhood, form: Form, atoms: Sequence[Bit]) -> list[Bit
     for v in form.registers:
         around |= near.near([v])
     bits = [a for a in atoms if all(v.uid in around and _is_small(v) for v in variables([a]))]
-    return [literal for a in bits for literal in (a, cast(Bit, ~a))]
+    return [literal for a in bits for literal in (a, ~a)]
 
 
 def _is_small(v: Term) -> bool:
@@ -237,7 +236,7 @@ def rates(
                 continue
             guards = [TRUE, *(g for g in guards_of(near, form, atoms) if not single and _is_flag(g) == flags)]
             healthy = near.healthy(form.registers)
-            for shown, text in ((form.term(), show(form)), (cast(Int, -form.term()), f"-({show(form)})")):
+            for shown, text in ((form.term(), show(form)), (-form.term(), f"-({show(form)})")):
                 values = [evaluate([shown, healthy, *guards], rows) for rows in (before, steps.after)]
                 change = values[1][0] - values[0][0]
                 seen: list[tuple[int, int, Bit]] = []
@@ -249,7 +248,7 @@ def rates(
                     if falling or (rate > 0 and not single):
                         seen.append((-int(where.sum()), rate, guard))
                 for _, rate, guard in sorted(seen, key=lambda one: one[0])[: None if flags else WIDEST]:
-                    counting = cast(Bit, t < tops[time.var.uid]) if rate < 0 and time.var.uid in tops else TRUE
+                    counting = t < tops[time.var.uid] if rate < 0 and time.var.uid in tops else TRUE
                     raced = _race(pruner, (healthy & counting, shown, text), guard, t, time.next, rate, settled)
                     found += raced
                     if raced and guard.is_const:
@@ -266,15 +265,15 @@ def _race(
     pruner: Pruner, what: tuple[Bit, Int, str], free: Bit, t: Int, after: Term, rate: int, settled: Sequence[Bit]
 ) -> list[Candidate]:
     healthy, shown, text = what
-    one = cast(Bit, as_int(after) == t + 1)
+    one = as_int(after) == t + 1
     least_rate = pruner.least_change(shown, one, (healthy, free, *settled), free)
     wanted, rate = rate, rate if least_rate is None else min(rate, least_rate)
     least = pruner.least_value(shown, healthy, settled)
     if rate == 0 or least is None or rate < 0 < wanted:
         return []
     start = least if rate > 0 else None  # below 0: a fall is bounded, from what is seen at the start
-    found = [Candidate(healthy & free, cast(Int, shown - t * rate), start, f"{text} - {rate}*{t_name(t)}")]
-    flag = cast(Bit, ~free)
+    found = [Candidate(healthy & free, shown - t * rate, start, f"{text} - {rate}*{t_name(t)}")]
+    flag = ~free
     if (
         free.is_const
         or rate < 0
@@ -285,7 +284,7 @@ def _race(
     enough = (entry - least) // rate
     capped = select(t < enough, t, enough)
     text = f"{text} - {rate}*min({t_name(t)}, {enough})"
-    return [*found, Candidate(healthy & flag, cast(Int, shown - capped * rate), least, text)]
+    return [*found, Candidate(healthy & flag, shown - capped * rate, least, text)]
 
 
 def t_name(t: Term) -> str:
@@ -330,11 +329,11 @@ def clocks(near: Neighbourhood, steps: Steps, atoms: Sequence[Bit], most: int) -
             w = as_int(s.var)
             limits = [p for p in _limits(near, s) if p.uid != time.var.uid]
             shown: list[tuple[Int, str]] = [
-                (cast(Int, w - t), f"{s.path} - {time.path}"),
-                (cast(Int, -t), f"-{time.path}"),
+                (w - t, f"{s.path} - {time.path}"),
+                (-t, f"-{time.path}"),
             ]
             for p in limits:
-                shown += [(cast(Int, e + as_int(p)), f"{text} + {p.attr}") for e, text in shown[:2]]
+                shown += [(e + as_int(p), f"{text} + {p.attr}") for e, text in shown[:2]]
             literals = guards_of(near, Form(((1, (s.var,)),), ()), atoms)
             for guard in _conjunctions(literals, most):
                 healthy = near.healthy([s.var])
