@@ -9,7 +9,7 @@ Source: isolation of the channel that stands alone, lowering, AC drive [P]; rule
 from __future__ import annotations
 
 from models.ts7.power import Power
-from models.ts7.ring import Ring, Words
+from models.ts7.ring import Ring
 from models.ts7.signals import Selection
 from models.ts7.system import Ts7
 from models.ts7.threshold import Thresholds
@@ -20,11 +20,9 @@ from proofs.ts7_brake_chain import CHANNELS, RELEASE
 from proofs.ts7_formulas import Formula, named
 from proofs.ts7_thresholds import LIMITS
 from safety import (
-    BITS,
     PROVED,
     REFUTED,
     Bit,
-    Int,
     Scenario,
     Seen,
     UInt,
@@ -235,57 +233,6 @@ def ring_powers_up_without_pulses(s: Seen) -> Bit:
 def ring_stays_at_the_first_bit(s: Seen) -> Bit:
     """The first bit of a frame comes all the time."""
     return s.place == 0
-
-
-WORDS = range(4)
-
-
-def held_since_its_word(s: Seen) -> Bit:
-    """Lemma: a held pulse came at the last bit of its word in this frame."""
-    return all_of(*(implies(s[f"held{w}"], (s.place >= 8 * w + 8) | (s.place == 0)) for w in WORDS))
-
-
-FULL = {"d0": 255, "d1": 255, "d2": 255, "d3": 255}
-
-
-@claim(Ring, expect=PROVED, lemmas=[held_since_its_word], arithmetic=BITS, requirement="TS7-4",
-       source="[P] overflow pulses", witness=Scenario(40, {**FULL, "pulse": True}, {"ring": 2**32 - 1}))  # fmt: skip
-def pulses_come_just_with_the_last_carry(s: Seen) -> Bit:
-    """A word's pulse comes just with the carry of its last bit, for J1 at a speed pulse only, and stays for the frame.
-
-    This is so at every bit time, whatever the data and the speed pulse do within a frame.
-    """
-    counts = [s["carry.out"] & (s.pulse if w == 1 else bit(True)) for w in WORDS]
-    comes = [(s.place == 8 * w + 7) & counts[w] for w in WORDS]
-    exact = (s[f"o{w}"] == ((s[f"held{w}"] & (s.place != 0)) | comes[w]) for w in WORDS)
-    return all_of(*exact, *(implies(s[f"o{w}"], s.place >= 8 * w + 7) for w in WORDS))
-
-
-@claim(Ring, expect=REFUTED, requirement="TS7-4", twin_of=pulses_come_just_with_the_last_carry,
-       scenario=Scenario(40, {**FULL, "pulse": lambda k: k < 15}, {"ring": 2**32 - 1}))  # fmt: skip
-def no_carry_without_a_pulse(s: Seen) -> Bit:
-    """Every carry out of the last bit of J1 gives a pulse, whether the speed pulse is still there or not."""
-    return implies((s.place == 15) & s["carry.out"], s.o1)
-
-
-def sums(s: Seen) -> list[Int]:
-    """What each word and its datum add up to, for J1 at a speed pulse only."""
-    data = (s.d0, select(s.pulse, s.d1, 0), s.d2, s.d3)
-    return [s[f"j{w}"].int() + datum.int() for w, datum in enumerate(data)]
-
-
-@claim(Words, expect=PROVED, requirement="TS7-4", source="[P] ring of 4 x 8 bits, serial adder")
-def each_word_counts_its_datum_modulo_256(s: Seen) -> Bit:
-    """Each frame adds to each word its datum; from 256 on it overflows and keeps the rest."""
-    rest = [previous(select(total >= 256, total - 256, total), 0) for total in sums(s)]
-    kept = all_of(*(s[f"j{w}"].int() == rest[w] for w in WORDS))
-    return implies(once(bit(True)), kept) & all_of(*(s[f"o{w}"] == (total >= 256) for w, total in enumerate(sums(s))))
-
-
-@claim(Words, expect=REFUTED, requirement="TS7-4", twin_of=each_word_counts_its_datum_modulo_256)
-def speed_overflows_without_a_speed_pulse(s: Seen) -> Bit:
-    """J1 overflows wherever its datum would take it there, whether a speed pulse comes or not."""
-    return s.o1 == (s.j1.int() + s.d1.int() >= 256)
 
 
 # --- signals and power ----------------------------------------------------------------------------------------------

@@ -7,7 +7,7 @@ import sys
 import time
 from argparse import Namespace
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import closing
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -25,7 +25,7 @@ from safety.report.standing import NOTHING, UNDECIDED, WEAKER
 if TYPE_CHECKING:
     from safety.prove.claims import Claim
     from safety.prove.mutants import Fate, Subject
-    from safety.prove.mutation import Mutant
+    from safety.prove.mutation import Mutant, Mutants
 
 AT_ONCE = 256  # mutants in one piece of work: a run costs nearly the same for one as for all of them
 SCHEMA = "rightside/mutants/1"
@@ -62,8 +62,8 @@ def examined(project: Project, item: Item, order: Order) -> Entry:
     """A worker's answer to one piece of work: the fate of each of its mutants."""
     began = time.perf_counter()
     numbers = [int(number) for number in item.expect.split()]
-    fates = _subject(tuple(item.statement.split()), order.timeout).examine(numbers)
-    found = [_entry(project.root, item.model, fate) for fate in fates]
+    subject = _subject(tuple(item.statement.split()), order.timeout)
+    found = [_entry(project.root, item.model, subject.mutants, fate) for fate in subject.examine(numbers)]
     return {"id": item.id, "mutants": found, "seconds": round(time.perf_counter() - began, 3)}
 
 
@@ -75,18 +75,19 @@ def _subject(ids: tuple[str, ...], timeout: float) -> Subject:
     return Subject([claim for claim in registered() if claim.id in ids], timeout)
 
 
-def _entry(root: Path, model: str, fate: Fate) -> Entry:
+def _entry(root: Path, model: str, mutants: Mutants, fate: Fate) -> Entry:
     found = {"verdict": fate.kind, "claim": fate.claim or None, "how": fate.how}
-    return _told(root, model, fate.mutant) | found
+    return _told(root, model, mutants, fate.mutant) | found
 
 
-def _told(root: Path, model: str, mutant: Mutant) -> Entry:
+def _told(root: Path, model: str, mutants: Mutants, mutant: Mutant) -> Entry:
     place = mutant.place
     file = Path(place.file) if place else None
     if file is not None and file.is_relative_to(root):
         file = file.relative_to(root)
     where = {"file": file.as_posix() if file else None, "line": place.line if place else None}
-    return {"model": model, "number": mutant.number, **where, "was": mutant.was, "change": mutant.change}
+    said = {"was": mutant.was, "written": mutants.as_in_its_part(mutant), "change": mutant.change}
+    return {"model": model, "number": mutant.number, **where, **said}
 
 
 class _Work:
@@ -114,9 +115,9 @@ class _Work:
         """Take the answers as they come."""
         for mutants, ids, name in self.models:
             known = killed_on(self.entries)
-            every = [_told(self.root, name, mutant) for mutant in mutants.mutants]
-            skipped = [e | _skipped(known[change_of(e)]) for e in every if change_of(e) in known]
-            numbers = [str(e["number"]) for e in every if change_of(e) not in known]
+            every = [_told(self.root, name, mutants, mutant) for mutant in mutants.mutants]
+            skipped = [e | _skipped(model) for e in every if (model := noticed_on(e, known))]
+            numbers = [str(e["number"]) for e in every if not noticed_on(e, known)]
             self.summaries.append(
                 {"id": name, "claims": len(ids), "mutants": len(every), "folded_away": mutants.trivial}
                 | {"elsewhere": len(skipped)}
@@ -168,28 +169,33 @@ class _Work:
         return UNDECIDED if "undecided" in left else WEAKER if left else 0
 
 
-Change = tuple[Any, Any, Any]  # file, line, what is changed
+Change = tuple[Any, ...]  # file, line, what is changed, perhaps what was written
 
 
-def change_of(entry: Entry) -> Change | None:
-    """The change of the text that a mutant stands for; none where its line is not known."""
-    return (entry["file"], entry["line"], entry["change"]) if entry["file"] else None
+def changes_of(entry: Entry) -> list[Change]:
+    """The change of the text that a mutant stands for: that of any term of its line, and that of just this term."""
+    line = (entry["file"], entry["line"], entry["change"])
+    return [line, (*line, entry["written"])] if entry["file"] else []
 
 
-def killed_on(entries: Sequence[Entry]) -> dict[Change | None, str]:
-    """For each change of a line the first model in which it is killed wherever it was made."""
+def killed_on(entries: Sequence[Entry]) -> dict[Change, str]:
+    """For each change of a line or term the first model in which it is killed wherever it was made."""
     from safety.prove.mutants import KILLED
 
     alike: dict[tuple[Change, str], list[str]] = {}
     for each in entries:
-        change = change_of(each)
-        if change is not None and each["verdict"] != ELSEWHERE:
+        for change in changes_of(each) if each["verdict"] != ELSEWHERE else []:
             alike.setdefault((change, each["model"]), []).append(each["verdict"])
-    found: dict[Change | None, str] = {}
+    found: dict[Change, str] = {}
     for (change, model), verdicts in alike.items():
         if set(verdicts) <= set(KILLED):
             found.setdefault(change, model)
     return found
+
+
+def noticed_on(entry: Entry, known: Mapping[Change, str]) -> str | None:
+    """The model on which the same change is killed."""
+    return next((known[change] for change in changes_of(entry) if change in known), None)
 
 
 def _skipped(model: str) -> Entry:
@@ -200,7 +206,7 @@ def _notice(entries: Sequence[Entry]) -> None:
     """Say of what is not killed on one model on which other one the same change of the line is."""
     known = killed_on(entries)
     for each in entries:
-        each["noticed_on"] = known.get(change_of(each)) if each["verdict"] in (*LEFT, ELSEWHERE) else None
+        each["noticed_on"] = noticed_on(each, known) if each["verdict"] in (*LEFT, ELSEWHERE) else None
 
 
 def _counts(entries: Iterable[Entry]) -> str:

@@ -17,7 +17,7 @@ from typing import Any, cast
 
 from safety.prove.problem import Problem
 from safety.prove.search import bounded, replay
-from safety.prove.solve import SAT, Solver, Unrolling
+from safety.prove.solve import SAT, UNSAT, Solver, Unrolling
 from safety.prove.swarm import Row, Swarm, compared, parts, wishes
 from safety.system import ANY
 from safety.terms import Bit, UInt
@@ -44,13 +44,22 @@ def falsify(problem: Problem, steps: int, seconds: float, seed: int = 0) -> Trac
 def reach(problem: Problem, target: Bit, steps: int, seconds: float, seed: int = 0) -> Trace | None:
     """A run of at most `steps` steps whose last step meets `target`, e.g. a premise; None when none was found.
 
-    Problems with reals are left to the solver.  Raises `Disagreement` if a run found here is none on
-    the Python reading.
+    Nothing is looked for where no run starts; problems with reals are left to the solver.  Raises `Disagreement` if a
+    run found here is none on the Python reading.
     """
     terms = [target, problem.given, problem.start, *problem.system.roots()]
-    if not problem.system.states or any(t.sort == REAL for t in postorder(terms)):
+    if not problem.system.states or any(t.sort == REAL for t in postorder(terms)) or not _starts(problem):
         return None
     return _Hunt(problem, target, steps, time.perf_counter() + seconds, seed).run()
+
+
+def _starts(problem: Problem) -> bool:
+    """Whether any run keeps what is given at its first step; taken to be so where the solver does not know."""
+    unrolling = Unrolling(problem.system, "z3", integers=False)
+    asked = Solver("z3", unrolling.k, CORNER_SECONDS, finite=True)
+    asked.add(*unrolling.at(0, [problem.start, problem.given]))
+    asked.add_ranges(unrolling)
+    return asked.check() != UNSAT
 
 
 @dataclass

@@ -8,9 +8,11 @@ Source: mutant schemata, R. H. Untch, A. J. Offutt, M. J. Harrold (1993).
 from __future__ import annotations
 
 import inspect
+import re
 import sys
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from operator import is_
 from pathlib import Path
 from types import FrameType
@@ -67,6 +69,16 @@ class Mutants:
 
     def __getitem__(self, number: int) -> Mutant:
         return self.mutants[number - 1]
+
+    @cached_property
+    def _parts(self) -> re.Pattern[str]:
+        paths = {path.rpartition(".")[0] for path in self.system.state} - {""}
+        longest_first = sorted(map(re.escape, paths), key=len, reverse=True)
+        return re.compile(rf"(?<![\w.])(?:{'|'.join(longest_first)})\.") if paths else re.compile(r"(?!)")
+
+    def as_in_its_part(self, mutant: Mutant) -> str:
+        """What was written, names without the parts they are in: the same whatever greater model a part is put in."""
+        return self._parts.sub("", mutant.was)
 
     def some(self, numbers: Collection[int]) -> System:
         """The system of these mutants only."""

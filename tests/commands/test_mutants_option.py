@@ -59,8 +59,8 @@ def test_settings_are_refused_and_nothing_selected_is_said(run: Run, project: Pa
     assert "nothing selected" in called.err
 
 
-def entry(model: str, verdict: str, change: str = "- for +", file: str | None = "m.py") -> dict:
-    return {"model": model, "file": file, "line": 3, "change": change, "verdict": verdict}
+def entry(model: str, verdict: str, change: str = "- for +", file: str | None = "m.py", written: str = "") -> dict:
+    return {"model": model, "file": file, "line": 3, "change": change, "verdict": verdict, "written": written}
 
 
 def test_what_one_model_leaves_open_may_be_noticed_on_another() -> None:
@@ -77,7 +77,7 @@ def test_what_one_model_leaves_open_may_be_noticed_on_another() -> None:
 
 def test_only_a_change_that_is_killed_throughout_is_not_made_again() -> None:
     def again(*found: dict) -> bool:
-        return mutants.change_of(entry("Great", "")) not in mutants.killed_on(found)
+        return mutants.noticed_on(entry("Great", "", written="x + 1"), mutants.killed_on(found)) is None
 
     assert not again(entry("Small", "counterexample"), entry("Small", "proof"))
     assert again(entry("Small", "counterexample"), entry("Small", "equivalent"))
@@ -86,6 +86,10 @@ def test_only_a_change_that_is_killed_throughout_is_not_made_again() -> None:
     assert again(entry("Small", "counterexample", "& for |"))
     assert again(entry("Small", mutants.ELSEWHERE))
     assert again()
+    one, other = entry("Small", "twin", written="x + 1"), entry("Small", "equivalent", written="x + 0")
+    assert not again(one, other)
+    assert again(one, other, entry("Small", "slack", written="x + 1"))
+    assert again(entry("Small", "equivalent", written="x + 1"), entry("Small", "twin", written="x + 0"))
     assert mutants.killed_on([entry("Small", "twin", file=None)]) == {}
 
 

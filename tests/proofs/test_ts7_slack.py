@@ -6,14 +6,16 @@ import inspect
 
 import pytest
 
+from models.ts7.ring import HeldPulses
+from models.ts7.signals import Selection
 from models.ts7.voting import disagree
-from proofs import ts7_slack, ts7_thresholds
+from proofs import ts7_slack, ts7_slack_ring, ts7_thresholds, ts7_variants
 from safety.prove.claims import registered
-from safety.prove.mutants import KILLED, SLACK, UNDECIDED, Subject
+from safety.prove.mutants import EQUIVALENT, KILLED, SLACK, UNDECIDED, Subject
 from safety.prove.prove import prove
 from tests.proofs.verdicts import check, claims_of, without_twin
 
-CLAIMS = claims_of(ts7_slack)
+CLAIMS = claims_of(ts7_slack) | claims_of(ts7_slack_ring) | claims_of(ts7_variants)
 
 
 @pytest.mark.parametrize("name", CLAIMS)
@@ -29,21 +31,38 @@ BEFORE = ["ts7_thresholds.brakes_above_two", "ts7_thresholds.nobody_isolated_wit
 SAID = ["ts7_slack.just_who_stands_alone_is_isolated", "ts7_slack.brakes_just_by_rule_a"]
 
 
-def kinds(names: list[str]) -> list[str]:
-    """What becomes of the mutants of the line that says whether channels disagree."""
+def kinds(names: list[str], line: int, least: int = 20) -> list[str]:
+    """What becomes of the mutants of a line."""
     subject = Subject([c for c in registered() if c.id in names])
-    line = inspect.getsourcelines(disagree)[1] + 2
-    here = [m for m in subject.mutants.mutants if m.place and m.place.line == line and "voting" in m.place.file]
-    assert len(here) > 20
+    here = [m for m in subject.mutants.mutants if m.place and m.place.line == line]
+    assert len(here) > least
     return [fate.kind for fate in subject.examine([m.number for m in here])]
+
+
+DISAGREE = inspect.getsourcelines(disagree)[1] + 2
 
 
 def test_what_disagreement_is_was_left_open_before() -> None:
     assert ts7_thresholds.brakes_above_two
-    assert SLACK in kinds(BEFORE)
+    assert SLACK in kinds(BEFORE, DISAGREE)
 
 
 def test_what_disagreement_is_is_said() -> None:
-    found = kinds(BEFORE + SAID)
+    found = kinds(BEFORE + SAID, DISAGREE)
     assert {SLACK, UNDECIDED} & set(found) == set()
     assert sum(kind in KILLED for kind in found) > 15
+
+
+def test_the_rows_of_the_matrix_are_said() -> None:
+    """All that a signal's selection computes: nothing of it could be written otherwise."""
+    line = inspect.getsourcelines(Selection.chosen)[1] + 4
+    assert set(kinds(["ts7_slack.lowest_signal_gives_its_word"], line)) <= set(KILLED)
+
+
+def test_a_second_carry_in_a_frame_cannot_come() -> None:
+    """Latched by OR or by exclusive OR, a pulse is the same: only the lemma of the exact claim says so."""
+    line = inspect.getsourcelines(HeldPulses.hold)[1] + 3
+    names = ["ts7_slack_ring.pulses_come_just_with_the_last_carry", "ts7_slack.ring_powers_up_without_pulses"]
+    found = kinds(names, line)
+    assert {SLACK, UNDECIDED} & set(found) == set()
+    assert found.count(EQUIVALENT) >= 4

@@ -8,7 +8,7 @@ import pytest
 from safety import ANY, BOUNDED, PROVED, U8, Bit, Model, Scenario, Seen, claim, implies, persists, power_up
 from safety.prove import claims
 from safety.prove.claims import Claim
-from safety.prove.prove import prove
+from safety.prove.prove import Limits, prove
 
 
 class Out(NamedTuple):
@@ -69,13 +69,13 @@ def test_a_range_that_the_type_promises_is_told_apart_from_one_that_the_model_ke
 LATE = Scenario(steps=210, inputs={"up": True})
 
 
-@pytest.mark.parametrize(("steps", "verdict"), [(20, "undecided"), (60, "bounded")])
+@pytest.mark.parametrize(("steps", "verdict"), [(20, "undecided"), (28, "bounded")])
 def test_a_search_that_ends_before_the_premise_bounds_nothing(steps: int, verdict: str) -> None:
     @claim(Counter, expect=BOUNDED, steps=steps, induction=0, witness=LATE)
     def odd_phase_stays(s: Seen) -> Bit:
-        """After fifty steps of counting the count is fifty at least (true, and not inductive by itself)."""
-        return implies(persists(s.up, ticks=50), s.n >= 49)
+        """After 25 steps of counting the count is 24 at least (true, and not inductive by itself)."""
+        return implies(persists(s.up, ticks=25), s.n >= 24)
 
-    outcome = prove(only())
+    outcome = prove(only(), Limits(synthesis=0, portfolio=0))  # a lemma for it would soon be found
     assert outcome.verdict == verdict
     assert ("ends before the premise" in outcome.why) == (verdict == "undecided")

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, cast
 
 from safety.prove.synthesis.sampling import Rows, evaluate
 from safety.terms import Bit, Int
-from safety.terms.graph import Term, describe, postorder
+from safety.terms.graph import describe, postorder
 from safety.terms.values import implies
 
 if TYPE_CHECKING:

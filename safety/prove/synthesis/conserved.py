@@ -26,11 +26,12 @@ if TYPE_CHECKING:
 
 ROWS = 3  # sampled steps for each column
 MOST_COLUMNS = 40
+FEW = 8  # registers that are looked at all together
 
 
 @dataclass(frozen=True, eq=False)
 class Form:
-    """`coefficients` times registers (or products of two); a step changes it by `change` (inputs by uid; 1 for None)."""
+    """Coefficients times registers (or products of two); a step changes it by `change`: inputs, points, None for 1."""
 
     terms: tuple[tuple[int, tuple[Term, ...]], ...]
     change: tuple[tuple[Term | None, int], ...]
@@ -271,7 +272,10 @@ def pairs(states: Sequence[State], groups: Sequence[Sequence[State]], watching: 
 
 
 def groups(states: Sequence[State], watching: Sequence[State]) -> list[list[State]]:
-    """For each register the registers that its next value reads, itself and those that watch; each group once."""
+    """For each register the registers that its next value reads, itself and those that watch; each group once.
+
+    Few registers are looked at all together as well.
+    """
     by_uid = {s.var.uid: s for s in states}
     found: dict[frozenset[int], list[State]] = {}
     for s in states:
@@ -279,6 +283,9 @@ def groups(states: Sequence[State], watching: Sequence[State]) -> list[list[Stat
             read = [by_uid[v.uid] for v in variables([s.next]) if v.uid in by_uid]
             members = {m.var.uid: m for m in [s, *read, *watching] if is_whole(m.var)}
             found[frozenset(members)] = list(members.values())
+    everything = {s.var.uid: s for s in states if is_whole(s.var)}
+    if len(everything) <= FEW:
+        found[frozenset(everything)] = list(everything.values())
     return sorted(found.values(), key=len, reverse=True)
 
 

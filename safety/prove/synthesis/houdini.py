@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Sequence
-from typing import Any, cast
+from typing import Any
 
 from safety.prove.problem import Problem
 from safety.prove.solve import SAT, UNSAT, Solver, Unrolling
