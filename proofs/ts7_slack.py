@@ -15,10 +15,11 @@ from models.ts7.system import Ts7
 from models.ts7.threshold import Thresholds
 from models.ts7.train import Bench
 from models.ts7.voting import CommonPart
-from proofs.ts7_boundaries import A_BRAKES_FIRST, OFFSETS
+from proofs.ts7_boundaries import A_BRAKES_FIRST
 from proofs.ts7_brake_chain import CHANNELS, RELEASE
 from proofs.ts7_formulas import Formula, named
 from proofs.ts7_thresholds import LIMITS
+from proofs.ts7_voting import OFFSETS
 from safety import (
     PROVED,
     REFUTED,

@@ -93,8 +93,9 @@ def _told(root: Path, model: str, mutants: Mutants, mutant: Mutant) -> Entry:
 class _Work:
     """The mutants of some models, the smallest model first, and what became of them.
 
-    A change of a line that is killed wherever it was made in one model is not made again in a greater model: whoever
-    changes the text changes both.  One that is equivalent in the smaller model may show in the greater, and is made.
+    A change of a line, or of a term of it, that is killed wherever it was made in one model is not made again in a
+    greater one: whoever changes the text changes both.  One that is equivalent in the smaller model may show in the
+    greater, and is made again.
     """
 
     def __init__(self, claims: Sequence[Claim], root: Path, screen: Screen) -> None:
@@ -110,11 +111,12 @@ class _Work:
         self.models = [(mutants, [claim.id for claim in some], some[0].model.__name__) for mutants, some in found]
         self.entries: list[Entry] = []
         self.summaries: list[Entry] = []
+        self.missing: list[Entry] = []  # mutants without a result, of which nothing may be taken for granted
 
     def gather(self, workers: Workers) -> None:
         """Take the answers as they come."""
         for mutants, ids, name in self.models:
-            known = killed_on(self.entries)
+            known = killed_on([*self.entries, *self.missing])
             every = [_told(self.root, name, mutants, mutant) for mutant in mutants.mutants]
             skipped = [e | _skipped(model) for e in every if (model := noticed_on(e, known))]
             numbers = [str(e["number"]) for e in every if not noticed_on(e, known)]
@@ -129,6 +131,8 @@ class _Work:
                 for chunk in chunks
             ]
             self._gather(workers, pieces)
+            met = {each["number"] for each in self.entries if each["model"] == name}
+            self.missing += [each | {"verdict": None} for each in every if each["number"] not in met]
 
     def _gather(self, workers: Workers, pieces: Sequence[Item]) -> None:
         done = 0
@@ -149,7 +153,7 @@ class _Work:
 
     def end(self, target: str | None, seconds: float) -> int:
         """Show what was found, write it, and say how it ended."""
-        _notice(self.entries)
+        _notice(self.entries, self.missing)
         for summary in self.summaries:
             own = sorted((e for e in self.entries if e["model"] == summary["id"]), key=lambda e: int(e["number"]))
             summary["verdicts"] = dict(Counter(each["verdict"] for each in own))
@@ -202,9 +206,9 @@ def _skipped(model: str) -> Entry:
     return {"verdict": ELSEWHERE, "claim": None, "how": f"the same change of the line is killed on {model}"}
 
 
-def _notice(entries: Sequence[Entry]) -> None:
+def _notice(entries: Sequence[Entry], missing: Sequence[Entry] = ()) -> None:
     """Say of what is not killed on one model on which other one the same change of the line is."""
-    known = killed_on(entries)
+    known = killed_on([*entries, *missing])
     for each in entries:
         each["noticed_on"] = noticed_on(each, known) if each["verdict"] in (*LEFT, ELSEWHERE) else None
 

@@ -83,6 +83,7 @@ def test_only_a_change_that_is_killed_throughout_is_not_made_again() -> None:
     assert again(entry("Small", "counterexample"), entry("Small", "equivalent"))
     assert again(entry("Small", "counterexample"), entry("Small", "slack"))
     assert again(entry("Small", "counterexample"), entry("Small", "unclaimed"))
+    assert again(entry("Small", "counterexample"), entry("Small", "proof") | {"verdict": None})  # no result
     assert again(entry("Small", "counterexample", "& for |"))
     assert again(entry("Small", mutants.ELSEWHERE))
     assert again()

@@ -219,6 +219,6 @@ def test_a_tool_finds_the_same_for_a_whole_two_out_of_three_system(
 
 @pytest.mark.parametrize("ask", [z3, cvc5])
 def test_a_stranger_redoes_a_proof_by_lemmas(ask: Callable[[str], str]) -> None:
-    problem = of_ts7("ts7_channel", "brakes_sixteen_words_above")
+    problem = of_ts7("ts7_channel", "brakes_without_signal_in_its_own_time")
     assert ask(str(export(problem, "smtlib", lemmas=True))).split() == ["base", "unsat", "step", "unsat", "run", "sat"]
     assert ask(str(export(problem, "smtlib"))).split()[3] == "sat"  # without them the induction does not carry

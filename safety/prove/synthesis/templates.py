@@ -133,7 +133,7 @@ def clauses(near: Neighbourhood, atoms: Sequence[Bit], rows: Rows) -> list[Candi
     literals = [literal for a in atoms for literal in (a, ~a)]
     table = np.array([column.astype(bool) for column in evaluate(literals, rows)])
     where = [{v.uid for v in variables([a])} for a in literals]
-    always = table.all(axis=1)
+    always: npt.NDArray[Any] = np.asarray(table.all(axis=1))
     found = [_clause(near, TRUE, literals[i]) for i in np.flatnonzero(always)]
     violated: npt.NDArray[Any] = np.asarray(table.astype(np.int32) @ (~table).astype(np.int32).T)
     together = list(near.members.values())
