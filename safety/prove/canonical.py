@@ -16,7 +16,7 @@ from fractions import Fraction
 from typing import Any
 
 from safety.prove.cache import digest
-from safety.prove.claims import REFUTED, Scenario
+from safety.prove.claims import Scenario
 from safety.prove.problem import Problem
 from safety.system import ANY
 from safety.terms.graph import Sort, Term, node, postorder
@@ -41,7 +41,7 @@ def problem_key(problem: Problem, *surroundings: str) -> str:
     """
     text = _Text()
     try:
-        told = text.of(problem), problem.claim.expect == REFUTED
+        told = text.of(problem), problem.claim.expect
         return digest([*surroundings, json.dumps(text.nodes), json.dumps(told)])
     except NoKeyError:
         raise

@@ -140,7 +140,12 @@ class Question:
         if number in self._steady and counted and not many:
             value = self._steady[number]
             cases = [self.k.And(times == n, total == n * value) for n in range(CASES)]
-            self.solver.add(self.k.Or(*cases, self.k.And(times >= CASES, total >= CASES * value)))
+            more = [times >= CASES]  # what more of them add up to is known where all have one sign
+            if low >= 0:
+                more.append(total >= CASES * value)
+            elif high <= 0:
+                more.append(total <= CASES * value)
+            self.solver.add(self.k.Or(*cases, self.k.And(*more)))
         return total
 
     def _variable(self, whole: bool, low: int | None = None, high: int | None = None) -> Any:

@@ -8,6 +8,7 @@ runs are replayed on the Python reading, lemmas and invariants proved like a use
 
 from __future__ import annotations
 
+import contextlib
 import math
 import time
 from collections.abc import Callable
@@ -32,6 +33,7 @@ __all__ = ["Limits", "Outcome", "decide", "prove", "stated"]
 GLANCE = 1.0  # seconds for a look at short runs, or for simulation, before lemmas are looked for
 SHORTEN, LONG = 5.0, 300  # seconds to look for a shorter run than one found without a search, where that is not longer
 PROGRAMS = ("spacer", "pdr")
+BROKEN = (KeyError, IndexError, ValueError, ArithmeticError)  # guessing lemmas broke down: it costs no verdict
 PLANS = {
     PROVED: ("induction", "response", "glance", "lemmas", "bounded_search", "simulation", "engines"),
     REFUTED: ("bounded_search", "simulation", "induction", "response", "lemmas", "engines"),
@@ -118,8 +120,9 @@ class _Attempt:
         if not found[0].proved and not problem.lemmas and self.limits.synthesis > 0:
             from safety.prove.synthesis.synthesise import clause_lemmas
 
-            problem = replace(problem, lemmas=clause_lemmas(problem, self.limits.synthesis))
-            found = by_response(problem, self.limits.timeout, self.limits.solvers) or found
+            with contextlib.suppress(*BROKEN):  # then what was found without lemmas stands
+                problem = replace(problem, lemmas=clause_lemmas(problem, self.limits.synthesis))
+                found = by_response(problem, self.limits.timeout, self.limits.solvers) or found
         answer, method = found
         self.outcome.questions += answer.questions
         if answer.proved:
@@ -136,7 +139,11 @@ class _Attempt:
             return False
         from safety.prove.synthesis.synthesise import synthesise
 
-        found = synthesise(self.problem, self.limits.synthesis, lambda text: self.say(f"lemmas: {text}"))
+        try:
+            found = synthesise(self.problem, self.limits.synthesis, lambda text: self.say(f"lemmas: {text}"))
+        except BROKEN as error:  # the other means still have their turn
+            self.outcome.because(f"lemma synthesis broke down: {type(error).__name__}: {error}")
+            return False
         if found.depth is None:
             self.outcome.because(found.why)
             return False

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+from safety.prove import search
 from tests.commands.conftest import Run, document, put
 
 HEAD = """
@@ -58,7 +59,10 @@ def contradictory(expect: str) -> str:
         (NO_MEMORY, 3, "why: z3 broke down: out of memory; give -j 1, or the claim a smaller bound"),
     ],
 )
-def test_exit_codes_and_what_the_others_get(run: Run, project: Path, body: str, code: int, said: str) -> None:
+def test_exit_codes_and_what_the_others_get(
+    run: Run, project: Path, monkeypatch: pytest.MonkeyPatch, body: str, code: int, said: str
+) -> None:
+    monkeypatch.setattr(search, "Solver", search.Solver)  # put back what NO_MEMORY changes
     put(project, "proofs/bad.py", HEAD + body)
     called = run("prove", "-q", "-j", "2", "-k", "bad or five", "--json", "out.json")
     assert (called.code, said in called.err) == (code, True), called.err

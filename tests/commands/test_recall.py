@@ -10,8 +10,9 @@ from typing import Any
 
 import pytest
 
-from safety.commands.recall import key_of, recalled
+from safety.commands.recall import Recalled, key_of, recalled
 from safety.prove import prove as provers
+from safety.prove import search
 from safety.prove.cache import Cache
 from safety.prove.claims import REFUTED, UNDECIDED, Claim, Scenario
 from safety.prove.prove import Limits, stated
@@ -180,6 +181,21 @@ def test_proving_again_without_an_answer_is_no_disagreement(cache: Cache, monkey
         provers, "_decide", lambda problem, limits, say: outcome(problem.claim, UNDECIDED, problem, why="time is up")
     )
     assert again(cache, claim, fresh=True).marks == {"why": "time is up; the cache says proved"}
+
+
+def test_other_runs_differ_only_where_both_are_the_smallest() -> None:
+    claim = asked(lambda s: ~s.high, expect=REFUTED)
+    problem = stated(claim)
+
+    def told(method: str, waits: int) -> Any:
+        values = {("go", k): k >= waits for k in range(9 + waits)}
+        return provers.Outcome(
+            claim, REFUTED, problem, method, counterexample=search.replay(problem, values, 9 + waits, ~problem.holds)
+        )
+
+    for method, differs in (("bounded search, replayed", True), ("directed simulation, replayed", False)):
+        assert Recalled(told(method, 0), before=told(method, 2)).differs == differs
+        assert not Recalled(told(method, 1), before=told(method, 1)).differs
 
 
 def test_a_prover_that_changes_while_it_works_keeps_nothing(cache: Cache, monkeypatch: pytest.MonkeyPatch) -> None:

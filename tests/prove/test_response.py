@@ -19,7 +19,7 @@ from safety.prove import closed_form, race, response
 from safety.prove.claims import BITS, Claim, Seen, persists, total
 from safety.prove.closed_form import ClosedForm
 from safety.prove.extremes import Extremes
-from safety.prove.flows import Reader
+from safety.prove.flows import Reader, whole
 from safety.prove.problem import build_problem
 from safety.prove.response import by_response
 from safety.system import ANY
@@ -274,3 +274,34 @@ def test_a_term_is_the_sum_that_it_is_read_as(term: Term) -> None:
     for x, y, a, b in itertools.product(range(8), range(4), (False, True), (False, True)):
         value, summed = evaluate([term, total], {X: x, Y: y, A: a, B: b})
         assert int(value) == summed
+
+
+W, A, U = Annotated[Int, (-3, -1)], Annotated[Int, (0, 1000)], Annotated[Int, (0, 63)]
+
+
+class Drain(Model, tick_s="1e-3"):
+    """A pulse of the clock fills by 16, an event takes what the input says, which is below 0; full at 32."""
+
+    j: U4 = power_up(ANY)
+    u: U = power_up(0)
+    a: A = power_up(0)
+    last: W = power_up(-1)
+    latch: Bit = power_up(False)
+
+    def step(self, w: W, c: Bit) -> tuple[Drain, Bit]:
+        counted = self.j + 1
+        drained = c & (self.u >= 3) & (self.a < 990)
+        u = (self.u + select(counted.bit(4), whole(16), 0) + select(drained, w, 0)).clip(0, 63)
+        a = (self.a - select(drained, w, 0)).clip(0, 1000)
+        return Drain(j=counted.low(4), u=u, a=a, last=w, latch=self.latch | (self.u >= 32)), self.latch
+
+
+def test_a_steady_number_below_zero_adds_up_to_less() -> None:
+    """The same number below 0 more often is a lower sum: a closed form that says otherwise proves what is false."""
+
+    def latches(s: Seen) -> Bit:
+        """Drained by one in each event, with one way to fill."""
+        return implies(persists((s.w == s.last) & (s.w == -1) & (s.a < 900), 300), s.latch)
+
+    found = by_response(build_problem(asked(latches, Drain)), 20.0)
+    assert found is None or not found[0].proved

@@ -104,12 +104,27 @@ def layers(problem: Problem) -> Iterator[Problem]:
 
 def localised(problem: Problem, reached: Collection[int]) -> Problem:
     """The problem with these registers only; others are inputs, whatever they hold."""
-    kept = tuple(s for s in problem.system.states if s.var.uid in reached)
+    near = {*reached, *_faults_at(problem, reached)}
+    kept = tuple(s for s in problem.system.states if s.var.uid in near)
     read = [problem.holds, problem.given, problem.start, *(s.next for s in kept)]
     leaves = {v.uid: v for v in variables([*read, *problem.faulted.active, *problem.faulted.acted])}
     inputs = {str(v.attr): v for v in leaves.values() if v.uid not in {s.var.uid for s in kept}}
     points = {n: p for n, p in problem.system.points.items() if all(v.uid in leaves for v in variables([p]))}
     return replace(problem, system=replace(problem.system, states=kept, inputs=inputs, points=points, signals={}))
+
+
+def _faults_at(problem: Problem, reached: Collection[int]) -> set[int]:
+    """The registers of the faults that act on the next values of some registers: lemmas are guarded by them."""
+    states = {s.var.uid: s for s in problem.system.states}
+    read = {v.uid for uid in reached for v in variables([states[uid].next])}
+    found: list[int] = []
+    for active, acted in zip(problem.faulted.active, problem.faulted.acted, strict=True):
+        leaves = [v.uid for v in variables([active, acted])]
+        if read & set(leaves):
+            found += [uid for uid in leaves if uid in states]
+    for uid in found:  # grows while it is walked
+        found += [v.uid for v in variables([states[uid].next]) if v.uid in states and v.uid not in found]
+    return set(found)
 
 
 class _Search:
