@@ -28,9 +28,11 @@ if TYPE_CHECKING:
     from safety.prove.mutation import Mutant, Mutants
 
 AT_ONCE = 256  # mutants in one piece of work: a run costs nearly the same for one as for all of them
-SCHEMA = "rightside/mutants/1"
+SCHEMA = "rightside/mutants/2"
 ELSEWHERE = "elsewhere"  # not examined here: another model's claims notice the same change of the same line
-LEFT = ("slack", "undecided", "unclaimed")
+PROOF_LOST = "proof lost"
+LEFT = (PROOF_LOST, "slack", "undecided", "unclaimed")
+NOT_SHOWN = "proof lost: not killed; it is not shown whether a claim would notice"
 TIMEOUT = 20.0  # seconds for one question, as usual
 
 
@@ -164,13 +166,27 @@ class _Work:
             for each in own:
                 if each["verdict"] in LEFT:
                     self.screen.say(f"  {_line(each)}", "" if each["noticed_on"] else "yellow")
+        totals = totals_of([*self.entries, *self.missing])
+        self.screen.say(", ".join(f"{count} {key.replace('_', ' ')}" for key, count in totals.items()))
+        if totals["proof_lost"]:
+            self.screen.say(NOT_SHOWN, "yellow")
         if target:
-            document = {"schema": SCHEMA, "interrupted": self.interrupted, "seconds": seconds}
+            document = {"schema": SCHEMA, "interrupted": self.interrupted, "seconds": seconds, "totals": totals}
             write_plain(document | {"models": self.summaries, "mutants": self.entries}, target)
         if self.interrupted or self.failed:
             return INTERRUPTED if self.interrupted else INPUT_ERROR
         left = {each["verdict"] for each in self.entries if each["verdict"] in LEFT and not each["noticed_on"]}
         return UNDECIDED if "undecided" in left else WEAKER if left else 0
+
+
+def totals_of(entries: Sequence[Entry]) -> dict[str, int]:
+    """How many mutants there are of each standing; a lost proof is no kill."""
+    from safety.prove.mutants import KILLED
+
+    kinds = Counter(each["verdict"] for each in entries)
+    others = {kind.replace(" ", "_"): kinds[kind] for kind in (*LEFT, "equivalent", ELSEWHERE)}
+    killed = sum(kinds[kind] for kind in KILLED)
+    return {"mutants": len(entries), "killed": killed, **others, "without_result": kinds[None]}
 
 
 Change = tuple[Any, ...]  # file, line, what is changed, perhaps what was written

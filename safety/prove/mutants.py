@@ -3,14 +3,14 @@
 Each mutant of a model (`safety.prove.mutation`) is put to all claims on that model:
 
     counterexample  a proved claim is false in a run of the mutant
-    twin            a claim that must be refuted no longer is, neither by its known run nor by the search
-    proof           a proof no longer goes through with the same lemmas; no run that breaks the claim is known
+    twin            a claim that must be refuted no longer is: not by its known run, nor by a search at least as long
+    proof lost      a proof no longer goes through with the same lemmas; it is not shown whether a claim would notice
     equivalent      the mutant steps as the model does, in every state that matters: shown by a solver
     slack           all proofs go through, yet there is a run in which registers or outputs differ
     undecided       none of these could be shown
     unclaimed       no claim on the model depends on the place
 
-The first three kill the mutant.  Slack says which claim is missing.
+The first two kill the mutant.  Slack says which claim is missing; a mutant whose proof is lost may be slack too.
 """
 
 from __future__ import annotations
@@ -43,14 +43,14 @@ from safety.system import System
 from safety.terms import Bit, all_of, bit
 from safety.terms.graph import variables
 
-COUNTEREXAMPLE, TWIN, PROOF = "counterexample", "twin", "proof"
+COUNTEREXAMPLE, TWIN, PROOF_LOST = "counterexample", "twin", "proof lost"
 EQUIVALENT, SLACK, UNDECIDED, UNCLAIMED = "equivalent", "slack", "undecided", "unclaimed"
-KILLED = (COUNTEREXAMPLE, TWIN, PROOF)
+KILLED = (COUNTEREXAMPLE, TWIN)
 SHORT = 12  # steps of the search for a run behind a proof that is lost
 FAR = 20  # steps of the search for a run in which a mutant differs
 SYNTHESIS = 30.0  # seconds for finding the lemmas of a claim
 LONG = 512  # steps: a longer known run is run by fewer mutants
-KINDS = (*KILLED, EQUIVALENT, SLACK, UNDECIDED, UNCLAIMED)
+KINDS = (*KILLED, PROOF_LOST, EQUIVALENT, SLACK, UNDECIDED, UNCLAIMED)
 
 
 @dataclass(frozen=True)
@@ -190,7 +190,7 @@ class _Examination:
             self._twin(case)
         for number in self.lost.keys() & self.left:
             case, label = self.lost[number]
-            self.settle(number, PROOF, case.claim.id, label)
+            self.settle(number, PROOF_LOST, case.claim.id, label)
         self._slack()
         return [self.settled[n] for n in numbers]
 
@@ -232,16 +232,26 @@ class _Examination:
                     self.settle(number, COUNTEREXAMPLE, case.claim.id, f"after {seen.broken + 1} steps")
 
     def _twin(self, case: Case) -> None:
-        """A proof that is lost asks its claim's own twins only, a mutant that keeps all proofs asks every one."""
+        """A proof that is lost asks its claim's own twins only, a mutant that keeps all proofs asks every one.
+
+        A search shorter than the known run kills nobody: the mutant may just be refuted later.
+        """
         strangers = {n for n, (by, _) in self.lost.items() if by.claim.id != case.claim.twin_of}
         lost = self.left & case.sees - strangers
         for _, found in self._followed(case, lost):
             lost = lost - {number for number, seen in found.items() if seen.broken is not None}
-        if lost:
-            some = case.some(lost)
-            kept = breakable(some, ~some.holds, lost, case.claim.steps, uses_reals(some), self.subject.timeout).kept
-            for number in kept:
-                self.settle(number, TWIN, case.claim.id, f"not refuted in {case.claim.steps} steps")
+        steps, known = case.claim.steps, max((len(course.rows) for course in case.courses), default=None)
+        if not lost:
+            return
+        if known is None or steps < known:
+            why = "no run that refutes it is known" if known is None else f"its run has {known} steps, a search {steps}"
+            self.unknown |= dict.fromkeys(lost, f"{case.claim.id} is not refuted by a known run: {why}")
+            return
+        some = case.some(lost)
+        found = breakable(some, ~some.holds, lost, steps, uses_reals(some), self.subject.timeout)
+        self.unknown |= {number: f"{case.claim.id}: {why}" for number, why in found.open.items()}
+        for number in found.kept:
+            self.settle(number, TWIN, case.claim.id, f"not refuted in {steps} steps")
 
     def _of_the_step(self) -> set[int]:
         """Mutants whose step is changed: one that powers up otherwise steps like the model, and is not it."""
@@ -284,7 +294,7 @@ class _Examination:
                 self.settle(number, COUNTEREXAMPLE, case.claim.id, when)
 
     def _equivalent_for_claims(self, numbers: set[int], found: bool) -> None:
-        """Equivalent in every state that lemmas and assumptions leave, for each claim that sees the mutant.
+        """Equivalent in every state that proved lemmas and assumptions leave, for each claim that sees the mutant.
 
         Without faults it is so in all runs, or else the mutant might show in runs that none of the claims is about.
         With `found`, registers that were found to exclude one another do so too.
@@ -296,8 +306,10 @@ class _Examination:
         for case in self.subject.proved:
             asked = kept & case.sees
             if asked:
-                some = case.some(asked)
-                known = exclusions(case.as_written, timeout) if found else ()
+                some, as_written = case.some(asked), case.as_written
+                if case not in self.proved:  # what its lemmas say may be false
+                    some, as_written = replace(some, lemmas={}), replace(as_written, lemmas={})
+                known = exclusions(as_written, timeout) if found else ()
                 if not case.claim.faults and case.claim.refinement is None:
                     known = (*known, *self._lemmas_for(some.system, set(case.claim.symbolic)))
                 kept = kept - asked | _alike(some, asked, timeout, known)

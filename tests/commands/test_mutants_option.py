@@ -3,15 +3,19 @@
 import json
 from pathlib import Path
 
+import pytest
+
 from safety.commands import mutants
+from safety.commands.screen import Screen
+from safety.report.standing import WEAKER
 from tests.commands.conftest import Run, put
 
 TIGHT = '''
     """Pulse counter, said exactly."""
     from models.counter import Counter
-    from safety import PROVED, Bit, Seen, claim, previous, select
+    from safety import PROVED, Bit, Scenario, Seen, claim, previous, select
 
-    @claim(Counter, expect=PROVED, symbolic=["limit"])
+    @claim(Counter, expect=PROVED, symbolic=["limit"], witness=Scenario(20, {"pulse": True}))
     def counts_exactly(s: Seen) -> Bit:
         """It counts each pulse below 15, from 0, and the alarm is there just from the limit on."""
         before, pulse = previous(s.n, 0), previous(s.pulse, False)
@@ -79,11 +83,12 @@ def test_only_a_change_that_is_killed_throughout_is_not_made_again() -> None:
     def again(*found: dict) -> bool:
         return mutants.noticed_on(entry("Great", "", written="x + 1"), mutants.killed_on(found)) is None
 
-    assert not again(entry("Small", "counterexample"), entry("Small", "proof"))
+    assert not again(entry("Small", "counterexample"), entry("Small", "twin"))
+    assert again(entry("Small", "counterexample"), entry("Small", "proof lost"))
     assert again(entry("Small", "counterexample"), entry("Small", "equivalent"))
     assert again(entry("Small", "counterexample"), entry("Small", "slack"))
     assert again(entry("Small", "counterexample"), entry("Small", "unclaimed"))
-    assert again(entry("Small", "counterexample"), entry("Small", "proof") | {"verdict": None})  # no result
+    assert again(entry("Small", "counterexample"), entry("Small", "twin") | {"verdict": None})  # no result
     assert again(entry("Small", "counterexample", "& for |"))
     assert again(entry("Small", mutants.ELSEWHERE))
     assert again()
@@ -92,6 +97,19 @@ def test_only_a_change_that_is_killed_throughout_is_not_made_again() -> None:
     assert again(one, other, entry("Small", "slack", written="x + 1"))
     assert again(entry("Small", "equivalent", written="x + 1"), entry("Small", "twin", written="x + 0"))
     assert mutants.killed_on([entry("Small", "twin", file=None)]) == {}
+
+
+def test_a_lost_proof_is_no_kill(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    work = mutants._Work([], tmp_path, Screen(False))
+    work.summaries = [{"id": "Small", "claims": 1, "mutants": 2}]
+    rest = {"number": 1, "was": "x", "how": ""}
+    work.entries = [entry("Small", "twin", "& for |") | rest, entry("Small", mutants.PROOF_LOST) | rest]
+    assert work.end(str(tmp_path / "out.json"), 0.0) == WEAKER
+    totals = document(tmp_path / "out.json")["totals"]
+    assert (totals["mutants"], totals["killed"], totals["proof_lost"]) == (2, 1, 1)
+    shown = capsys.readouterr().err
+    assert "it is not shown whether a claim would notice" in shown
+    assert "proof lost  m.py:3" in shown
 
 
 TWO = '''
@@ -126,5 +144,5 @@ def test_a_greater_model_says_where_a_change_is_killed(run: Run, project: Path) 
     assert great["mutants"] == sum(great["verdicts"].values())
     told = [each for each in found["mutants"] if each["verdict"] == "elsewhere"]
     assert {each["noticed_on"] for each in told} == {"Counter"}
-    killed = {(e["line"], e["change"]) for e in found["mutants"] if e["verdict"] in ("counterexample", "twin", "proof")}
+    killed = {(e["line"], e["change"]) for e in found["mutants"] if e["verdict"] in ("counterexample", "twin")}
     assert {(each["line"], each["change"]) for each in told} <= killed

@@ -14,8 +14,9 @@ from safety.prove.claims import REFUTED, Claim, Scenario, Seen
 from safety.prove.mutants import (
     COUNTEREXAMPLE,
     EQUIVALENT,
+    KILLED,
     KINDS,
-    PROOF,
+    PROOF_LOST,
     SLACK,
     TWIN,
     UNCLAIMED,
@@ -27,7 +28,7 @@ from safety.prove.mutation import SELECTOR, mutants_of
 from safety.prove.mutation_operators import TRANSPARENT, edits
 from safety.prove.mutation_runs import confirmed, single
 from safety.prove.solve import Disagreement
-from safety.terms import U2, U3, Bit, implies, select
+from safety.terms import U2, U3, U4, U7, Bit, implies, select
 from safety.terms import graph as terms_graph
 from safety.terms.direct import evaluate
 from safety.terms.graph import BIT, Term, integer, postorder, uint, variable, variables
@@ -126,7 +127,7 @@ def test_a_mutant_meets_its_fate(judged: dict[str, Fate], mutant: str, kind: str
 def test_a_lost_proof_is_told_from_a_broken_claim() -> None:
     """At 6 the lemma is gone, the claim still true; beyond that the claim breaks."""
     found = fates(BRITTLE)
-    assert found["(n < 5): <= for <"].kind == PROOF
+    assert found["(n < 5): <= for <"].kind == PROOF_LOST
     assert "at most five" in found["(n < 5): <= for <"].how
     assert found["(n < 5): stuck at 1"].kind == COUNTEREXAMPLE
 
@@ -136,7 +137,7 @@ def test_equivalent_in_all_states_that_the_lemmas_leave() -> None:
     found = fates(DARK)
     assert found["(n == 5): >= for =="].kind == EQUIVALENT
     assert found["(lit | (n == 5)): ^ for |"].kind != EQUIVALENT
-    assert found["(n == 5): 4 for 5"].kind == PROOF
+    assert found["(n == 5): 4 for 5"].kind == PROOF_LOST
 
 
 def stays_lit(s: Seen) -> Bit:
@@ -182,6 +183,71 @@ def test_another_value_at_power_up_is_never_equivalent() -> None:
     found = fates(DARK)
     assert found["lit at power-up: True for False"].kind == COUNTEREXAMPLE
     assert {f.kind for f in found.values() if f.mutant.power_up} & {EQUIVALENT} == set()
+
+
+class Stopper(Model, event="tick"):
+    """Counts to 5 and stays there."""
+
+    n: U4 = power_up(0)
+
+    def step(self) -> tuple[Stopper, Bit]:
+        n = select(self.n == 5, self.n, (self.n + 1).low(4))
+        return Stopper(n=n), self.n == 5
+
+
+def at_most_ten(s: Seen) -> Bit:
+    """True, and of little help."""
+    return s.n <= 10
+
+
+def at_most_three(s: Seen) -> Bit:
+    """False: it comes to 5."""
+    return s.n <= 3
+
+
+def test_a_false_lemma_makes_nobody_equivalent() -> None:
+    """Up to 3 it does not matter where the counter stops; in its runs it does."""
+    claim = asked(at_most_ten, Stopper, id="false lemma", lemmas=(at_most_three,))
+    found = fates(claim)
+    assert found["(n == 5): 6 for 5"].kind == UNDECIDED
+    subject = Subject([claim])
+    for fate in found.values():
+        if fate.kind == EQUIVALENT:
+            n = (system := single(subject.proved[0].problem, fate.mutant).system).state["n"]
+            steps = [evaluate([n.next], {n.var: k}) for k in range(6)]
+            assert (steps, system.state["n"].power_up) == ([[1], [2], [3], [4], [5], [5]], 0), fate
+
+
+class Late(Model, event="tick"):
+    """Comes to 50 and starts again."""
+
+    n: U7 = power_up(0)
+
+    def step(self, go: Bit) -> tuple[Late, Bit]:
+        n = select(go, (self.n + 1).low(7), self.n)
+        return Late(n=n), self.n == 50
+
+
+def never_out(s: Seen) -> Bit:
+    """False, after 51 steps."""
+    return ~s.out
+
+
+def any_number(s: Seen) -> Bit:
+    """True of every register of this width."""
+    return s.n <= 127
+
+
+GOES = Scenario(51, {"go": True})
+
+
+@pytest.mark.parametrize(("steps", "never"), [(5, UNDECIDED), (52, TWIN)])
+def test_a_search_shorter_than_the_known_run_kills_nobody(steps: int, never: str) -> None:
+    """At 51 it is refuted one step after the known run ends; where it never goes, only a long search tells so."""
+    twin = asked(never_out, Late, id="late", expect=REFUTED, twin_of="any", steps=steps, scenario=GOES)
+    found = fates(asked(any_number, Late, id="any"), twin)
+    assert found["(n == 50): 51 for 50"].kind not in KILLED
+    assert found["go: stuck at 0"].kind == never
 
 
 def test_no_slack_where_a_proof_is_missing() -> None:

@@ -100,7 +100,7 @@ def test_the_first_conclusive_answer_ends_the_others() -> None:
     assert quick.trace is not None and quick.trace["claim.holds"] == [True] * 8 + [False]
     assert slow.why == "ended: another engine had answered"
     assert (waiting.verdict, waiting.why) == (UNKNOWN, "not started: another engine had answered")
-    assert told[-1] == "bounded: refuted, 9 steps"
+    assert "bounded: refuted, 9 steps" in told
 
 
 def test_terms_and_runs_come_home() -> None:
