@@ -248,9 +248,9 @@ class _Examination:
             self.unknown |= dict.fromkeys(lost, f"{case.claim.id} is not refuted by a known run: {why}")
             return
         some = case.some(lost)
-        found = breakable(some, ~some.holds, lost, steps, uses_reals(some), self.subject.timeout)
-        self.unknown |= {number: f"{case.claim.id}: {why}" for number, why in found.open.items()}
-        for number in found.kept:
+        searched = breakable(some, ~some.holds, lost, steps, uses_reals(some), self.subject.timeout)
+        self.unknown |= {number: f"{case.claim.id}: {why}" for number, why in searched.open.items()}
+        for number in searched.kept:
             self.settle(number, TWIN, case.claim.id, f"not refuted in {steps} steps")
 
     def _of_the_step(self) -> set[int]:

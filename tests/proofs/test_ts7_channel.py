@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -13,10 +16,14 @@ from proofs import ts7_rollback as rollback
 from proofs.ts7_formulas import Formula, at_least_kmh, at_most_kmh, frames_for
 from safety import PROVED, Bit, Seen
 from safety.prove.claims import Claim
+from safety.prove.induction import by_induction
+from safety.prove.outcome import Limits
+from safety.prove.problem import build_problem
 from safety.prove.prove import prove
-from tests.proofs.verdicts import check, claims_of, of, without_twin
+from tests.proofs.verdicts import check, claims_of, without_twin
 
 CLAIMS = {**claims_of(channel), **claims_of(rollback)}
+SHORT = Limits(60, synthesis=5, simulation=1, portfolio=0)
 
 
 @pytest.mark.parametrize("claim", CLAIMS.values(), ids=list(CLAIMS))
@@ -42,16 +49,43 @@ def one_less(s: Seen) -> Bit:
     ("claim", "given"), [(channel.never_brakes_falsely, one_more), (channel.never_releases_falsely, one_less)]
 )
 def test_one_unit_of_speed_too_much_is_not_proved(claim: Formula, given: Formula) -> None:
-    found = of(claim, given=given, steps=4)
+    found = prove(replace(CLAIMS[claim.__name__], given=given, steps=4), SHORT)
     assert found.verdict != PROVED
     assert found.candidate
 
 
-@pytest.mark.parametrize("name", ["REFERENCE_FRACTION", "SPEED_FRACTION", "PULSE"])
-def test_a_lemma_one_unit_tighter_is_not_proved(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def brakes_by(units: int = channel.ABOVE) -> bool:
+    """Whether the written lemmas with this rate prove, without any search, that the channel brakes."""
+    rises = formulas.rising(channel.two_above, units, frames_for(channel.ABOVE))
+    return by_lemmas(channel.brakes_two_kmh_above, rises)
+
+
+def releases_by(units: int = channel.BELOW) -> bool:
+    """Whether the written lemmas with this rate prove, without any search, that the channel releases."""
+    falls = formulas.falling(channel.two_below, units, frames_for(channel.BELOW))
+    return by_lemmas(channel.releases_two_kmh_below, falls)
+
+
+def by_lemmas(claim: Formula, lemma: Formula) -> bool:
+    problem = build_problem(replace(CLAIMS[claim.__name__], lemmas=(channel.LATCH, lemma)))
+    return by_induction(problem, 1, True, 30.0, ("z3", "cvc5")).proved
+
+
+@pytest.mark.parametrize(
+    ("name", "proved_by"),
+    [
+        ("REFERENCE_FRACTION", brakes_by),
+        ("SPEED_FRACTION", releases_by),
+        ("PULSE", brakes_by),
+        ("PULSE", releases_by),
+    ],
+)
+def test_a_lemma_one_unit_tighter_is_not_proved(
+    name: str, proved_by: Callable[[], bool], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert proved_by()
     monkeypatch.setattr(formulas, name, getattr(formulas, name) - 1)
-    assert of(channel.brakes_two_kmh_above, steps=4).verdict != PROVED or name == "SPEED_FRACTION"
-    assert of(channel.releases_two_kmh_below, steps=4).verdict != PROVED or name == "REFERENCE_FRACTION"
+    assert not proved_by()
 
 
 @pytest.mark.parametrize("part", ["comparator.u", "ring.j1", "ring.j0", "div0.n"])
@@ -60,20 +94,16 @@ def test_a_potential_without_one_of_its_parts_is_not_proved(part: str, monkeypat
         weight = {"comparator.u": formulas.PULSE, "ring.j1": SCALE, "ring.j0": -PER_WORD, "div0.n": -256 * PER_WORD}
         return whole(s, name, race) - weight[part] * s[name][part].int()
 
+    assert brakes_by()
     whole = formulas.potential
     monkeypatch.setattr(formulas, "potential", poorer)
-    assert of(channel.brakes_two_kmh_above, steps=4).verdict != PROVED
+    assert not brakes_by()
 
 
-@pytest.mark.parametrize(
-    ("claim", "units"),
-    [(channel.brakes_two_kmh_above, channel.ABOVE), (channel.releases_two_kmh_below, channel.BELOW)],
-)
-def test_a_rate_one_unit_greater_is_not_proved(claim: Formula, units: int) -> None:
-    lemma = formulas.rising if units == channel.ABOVE else formulas.falling
-    while_ = channel.two_above if units == channel.ABOVE else channel.two_below
-    faster = lemma(while_, units + 1, frames_for(units))
-    assert of(claim, lemmas=(channel.LATCH, faster), steps=4).verdict != PROVED
+@pytest.mark.parametrize(("proved_by", "units"), [(brakes_by, channel.ABOVE), (releases_by, channel.BELOW)])
+def test_a_rate_one_unit_greater_is_not_proved(proved_by: Callable[[int], bool], units: int) -> None:
+    assert proved_by(units)
+    assert not proved_by(units + 1)
 
 
 def test_margins_and_times() -> None:

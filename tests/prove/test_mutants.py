@@ -245,9 +245,11 @@ GOES = Scenario(51, {"go": True})
 def test_a_search_shorter_than_the_known_run_kills_nobody(steps: int, never: str) -> None:
     """At 51 it is refuted one step after the known run ends; where it never goes, only a long search tells so."""
     twin = asked(never_out, Late, id="late", expect=REFUTED, twin_of="any", steps=steps, scenario=GOES)
-    found = fates(asked(any_number, Late, id="any"), twin)
-    assert found["(n == 50): 51 for 50"].kind not in KILLED
-    assert found["go: stuck at 0"].kind == never
+    subject = Subject([asked(any_number, Late, id="any"), twin])
+    numbers = {f"{m.was}: {m.change}": m.number for m in subject.mutants.mutants}
+    later, still = subject.examine([numbers["(n == 50): 51 for 50"]]), subject.examine([numbers["go: stuck at 0"]])
+    assert later[0].kind not in KILLED
+    assert still[0].kind == never
 
 
 def test_no_slack_where_a_proof_is_missing() -> None:
