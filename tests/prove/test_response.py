@@ -276,19 +276,19 @@ def test_a_term_is_the_sum_that_it_is_read_as(term: Term) -> None:
         assert int(value) == summed
 
 
-W, A, U = Annotated[Int, (-3, -1)], Annotated[Int, (0, 1000)], Annotated[Int, (0, 63)]
+Taken, Sum, Level = Annotated[Int, (-3, -1)], Annotated[Int, (0, 1000)], Annotated[Int, (0, 63)]
 
 
 class Drain(Model, tick_s="1e-3"):
     """A pulse of the clock fills by 16, an event takes what the input says, which is below 0; full at 32."""
 
     j: U4 = power_up(ANY)
-    u: U = power_up(0)
-    a: A = power_up(0)
-    last: W = power_up(-1)
+    u: Level = power_up(0)
+    a: Sum = power_up(0)
+    last: Taken = power_up(-1)
     latch: Bit = power_up(False)
 
-    def step(self, w: W, c: Bit) -> tuple[Drain, Bit]:
+    def step(self, w: Taken, c: Bit) -> tuple[Drain, Bit]:
         counted = self.j + 1
         drained = c & (self.u >= 3) & (self.a < 990)
         u = (self.u + select(counted.bit(4), whole(16), 0) + select(drained, w, 0)).clip(0, 63)
