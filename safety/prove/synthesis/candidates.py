@@ -60,8 +60,8 @@ class Candidate:
         return True
 
 
-def fit(candidates: Sequence[Candidate], rows: Rows, start: bool = False) -> list[Candidate]:
-    """The candidates that agree with sampled states, bounds lowered to them; `start`: bounds are set from them.
+def fit(candidates: Sequence[Candidate], rows: Rows) -> list[Candidate]:
+    """The candidates that agree with sampled states; bounds are lowered to them, or set by them.
 
     Where there are no states, those remain whose bounds are known.
     """
@@ -73,14 +73,11 @@ def fit(candidates: Sequence[Candidate], rows: Rows, start: bool = False) -> lis
         if c.shown.sort.kind == "bit":
             if bool((shown | ~guard).all()):
                 kept.append(c)
-        else:
-            least = _least(guard, shown)
-            if start and c.bound is None:
-                if least is None:
-                    continue
-                c.bound = least
-            elif least is not None and c.bound is not None and least < c.bound:
-                c.bound = least
+            continue
+        least = _least(guard, shown)
+        if least is not None:
+            c.bound = least if c.bound is None else min(c.bound, least)
+        if c.bound is not None:
             kept.append(c)
     return kept
 

@@ -13,11 +13,11 @@ from dataclasses import dataclass
 from math import gcd
 from typing import TYPE_CHECKING, Any, cast
 
+from safety.prove.flows import as_int, is_whole
 from safety.prove.synthesis.sampling import Steps
 from safety.system import State
 from safety.terms import Int
-from safety.terms.construct import cast_to
-from safety.terms.graph import Term, integer, postorder, variables
+from safety.terms.graph import Term, postorder, variables
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -79,16 +79,6 @@ def combination(terms: Iterable[tuple[int, tuple[Term, ...]]]) -> Int:
 def distinct(terms: Iterable[Term]) -> list[Term]:
     """Each term once, in order."""
     return list({v.uid: v for v in terms}.values())
-
-
-def as_int(v: Term) -> Int:
-    """A word or bounded integer as an integer."""
-    return cast(Int, v if v.sort.kind == "int" else cast_to(v, integer(*v.sort.bounds)))
-
-
-def is_whole(v: Term) -> bool:
-    """Whether a register holds a whole number."""
-    return v.sort.kind in ("uint", "int")
 
 
 def forms(steps: Steps, group: Sequence[State], watching: Sequence[State], free: Sequence[Term]) -> list[Form]:

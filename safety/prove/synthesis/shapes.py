@@ -10,8 +10,8 @@ from collections.abc import Mapping, Sequence
 from math import gcd
 from typing import TYPE_CHECKING, Any, cast
 
+from safety.prove.flows import as_int, is_whole
 from safety.prove.synthesis.candidates import Candidate
-from safety.prove.synthesis.conserved import as_int, is_whole
 from safety.prove.synthesis.sampling import Rows, Steps, constants_of, evaluate
 from safety.prove.synthesis.templates import TRUE, Neighbourhood, ages, counters
 from safety.system import State

@@ -135,6 +135,8 @@ class _Search:
         self.near = Neighbourhood(problem)
         self.sampler = Sampler(problem)
         self.atoms = atoms(problem)
+        self.watching = [s for s in problem.system.states if s.path.startswith("watch.")]
+        self.groups = groups(problem.system.states, self.watching)
         self.arithmetic = INTEGERS
         self.asked = 0
         combines = any(t.op in BITWISE for t in postorder([problem.holds, *(s.next for s in problem.system.states)]))
@@ -197,16 +199,14 @@ class _Search:
         steps = healthy.steps(STEPS, 20, 0.1, self.soon())
         found = self.forms(healthy, steps)
         linear, products = [f for f in found if not f.product], [f for f in found if f.product]
-        watching = [s for s in self.problem.system.states if s.path.startswith("watch.")]
-        near = groups(self.problem.system.states, watching)
         self.race(steps, rows, linear, True)
         yield
-        self.keep(fit(clocks(self.near, steps, self.atoms, 1), rows, start=True))
+        self.keep(fit(clocks(self.near, steps, self.atoms), rows))
         yield
-        both = linear + pairs(self.problem.system.states, near, watching)
+        both = linear + pairs(self.problem.system.states, self.groups, self.watching)
         self.bound(steps, rows, both, False, guessed)
         yield
-        self.keep(fit(shapes(self.near, steps, rows, self.atoms), rows, start=True))
+        self.keep(fit(shapes(self.near, steps, rows, self.atoms), rows))
         yield
         self.race(steps, rows, [*linear, *units(self.problem.system.states)], False)
         yield
@@ -217,7 +217,7 @@ class _Search:
 
     def bound(self, steps: Steps, rows: Rows, some: list[Form], guarded: bool, guessed: list[Candidate]) -> None:
         """Bounds on forms, and together with them the clauses that did not hold without."""
-        bounding = fit(bounds(self.near, steps, some, self.atoms, self.tops(), guarded), rows, start=True)
+        bounding = fit(bounds(self.near, steps, some, self.atoms, self.tops(), guarded), rows)
         dropped = [c for c in guessed if not any(c is k for k in self.kept)]
         self.keep([*(c for c in bounding if telling(c, self.kept)), *dropped])
 
@@ -225,13 +225,8 @@ class _Search:
         """Rates of forms; none where finding them takes too long."""
         self.pruner.deadline = self.soon()
         try:
-            self.keep(
-                fit(
-                    rates(self.pruner, self.near, steps, some, self.atoms, self.settled(), self.tops(), flags),
-                    rows,
-                    start=True,
-                )
-            )
+            racing = rates(self.pruner, self.near, steps, some, self.atoms, self.settled(), self.tops(), flags)
+            self.keep(fit(racing, rows))
         except OutOfTime as error:
             self.why = str(error)
 
@@ -255,14 +250,13 @@ class _Search:
 
         The latter because a speed that is kept low makes pulses too rare to be sampled.
         """
-        watching = [s for s in self.problem.system.states if s.path.startswith("watch.")]
         equal = [part for part in conjuncts(self.problem.given) if part.op == "eq"]
         assumed = (cast(Bit, a) for a in self.problem.system.assumptions.values())
         loose = self.without_faults(replace(self.problem, given=all_of(*assumed, *(cast(Bit, e) for e in equal))))
         seen: dict[object, Form] = {}
         for source, drawn in ((loose, loose.steps(STEPS, 20, 0.1, self.soon())), (sampler, steps)):
-            for group in groups(self.problem.system.states, watching):
+            for group in self.groups:
                 free = reads(group, [*source.inputs, *source.points])
-                for f in forms(drawn, group, watching, free):
+                for f in forms(drawn, group, self.watching, free):
                     seen.setdefault(f.key, f)
         return list(seen.values())

@@ -6,14 +6,14 @@ Rates: while something persists, a form runs ahead of the time that it has persi
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Iterable, Mapping, Sequence
 from math import gcd
 from typing import TYPE_CHECKING, Any, cast
 
+from safety.prove.flows import as_int, is_whole
 from safety.prove.problem import Problem
 from safety.prove.synthesis.candidates import Candidate
-from safety.prove.synthesis.conserved import Form, as_int, is_whole, jumps
+from safety.prove.synthesis.conserved import Form, jumps
 from safety.prove.synthesis.houdini import Pruner
 from safety.prove.synthesis.sampling import Rows, Steps, constants_of, evaluate
 from safety.system import State
@@ -148,11 +148,7 @@ def clauses(near: Neighbourhood, atoms: Sequence[Bit], rows: Rows) -> list[Candi
 
 def _clause(near: Neighbourhood, premise: Bit, conclusion: Bit) -> Candidate:
     healthy = near.healthy(variables([premise, conclusion]))
-    return Candidate(_both(healthy, premise), conclusion)
-
-
-def _both(x: Bit, y: Bit) -> Bit:
-    return x & y
+    return Candidate(healthy & premise, conclusion)
 
 
 def bounds(
@@ -320,8 +316,8 @@ def counters(near: Neighbourhood, steps: Steps) -> list[State]:
     return found
 
 
-def clocks(near: Neighbourhood, steps: Steps, atoms: Sequence[Bit], most: int) -> list[Candidate]:
-    """How long something has held is bounded by a counter, a parameter or a constant, under up to `most` literals."""
+def clocks(near: Neighbourhood, steps: Steps, atoms: Sequence[Bit]) -> list[Candidate]:
+    """How long something has held is bounded by a counter, a parameter or a constant, under one literal."""
     found: list[Candidate] = []
     for time in ages(near.problem):
         t = as_int(time.var)
@@ -334,9 +330,8 @@ def clocks(near: Neighbourhood, steps: Steps, atoms: Sequence[Bit], most: int) -
             ]
             for p in limits:
                 shown += [(e + as_int(p), f"{text} + {p.attr}") for e, text in shown[:2]]
-            literals = guards_of(near, Form(((1, (s.var,)),), ()), atoms)
-            for guard in _conjunctions(literals, most):
-                healthy = near.healthy([s.var])
+            healthy = near.healthy([s.var])
+            for guard in guards_of(near, Form(((1, (s.var,)),), ()), atoms):
                 found += [Candidate(healthy & guard, e, None, text) for e, text in shown]
     return list({(c.guard.uid, c.shown.uid): c for c in found}.values())
 
@@ -345,12 +340,3 @@ def _limits(near: Neighbourhood, s: State) -> list[Term]:
     """Parameters that the register is compared with."""
     read = [near.states[v.uid] for v in variables([s.next]) if v.uid in near.states]
     return [r.var for r in read if r.next is r.var and is_whole(r.var)]
-
-
-def _conjunctions(literals: Sequence[Bit], most: int) -> list[Bit]:
-    """Conjunctions of exactly `most` literals over different registers."""
-    found: list[Bit] = []
-    for chosen in itertools.combinations(literals, most):
-        if len({frozenset(v.uid for v in variables([x])) for x in chosen}) == most:
-            found.append(all_of(*chosen))
-    return found
