@@ -231,7 +231,7 @@ def names(template: Callable[..., Any], problem: Problem) -> list[str]:
         codes: (near,), tables: (near, rows), congruences: (near, steps), limits: (near, rows),
         courses: (near, steps, atoms(problem)), differences: (near, steps),
     }  # fmt: skip
-    guessed = fit(template(*arguments[template]), rows, start=True)
+    guessed = fit(template(*arguments[template]), rows)
     assert guessed
     return [c.name for c in Pruner(problem).prune([*ceilings(problem, rows), *guessed])]
 
