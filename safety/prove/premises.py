@@ -8,7 +8,6 @@ from dataclasses import replace
 from safety.prove import search
 from safety.prove.claims import BOUNDED, VACUOUS
 from safety.prove.engines.engine import in_integers, uses_reals
-from safety.prove.falsify import DEEPEST, reach
 from safety.prove.induction import Answer, by_induction
 from safety.prove.outcome import Limits, Outcome, who_is_silent
 from safety.prove.problem import Problem, premise_name, without_model
@@ -59,6 +58,8 @@ def show_premises(problem: Problem, outcome: Outcome, limits: Limits) -> Trace |
                 _vacuous(outcome, premise, never)
                 return None
             if found.run is None and limits.simulation > 0:
+                from safety.prove.falsify import DEEPEST, reach
+
                 found.run = reach(problem, premise, DEEPEST, limits.simulation)
             if found.run is None:
                 _unmet(outcome, premise, found)

@@ -18,7 +18,6 @@ from typing import Any
 from safety.prove import search
 from safety.prove.claims import BOUNDED, PROVED, REFUTED, UNDECIDED, VACUOUS, Claim
 from safety.prove.engines.engine import Result, in_integers, uses_reals
-from safety.prove.falsify import DEEPEST, falsify
 from safety.prove.induction import by_induction
 from safety.prove.outcome import Limits, Outcome, who_is_silent
 from safety.prove.premises import says_less, show_premises
@@ -206,6 +205,8 @@ class _Attempt:
     def _simulate(self, seconds: float) -> bool:
         if seconds <= 0:
             return False
+        from safety.prove.falsify import DEEPEST, falsify
+
         self.say("directed simulation")
         run = falsify(self.problem, DEEPEST, seconds)
         if run is not None:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from fractions import Fraction
-from pathlib import Path
 from typing import Any
 
 import pytest
@@ -19,17 +18,6 @@ from safety.prove.prove import Limits, stated
 from safety.terms import bit, implies
 from tests.prove.small import asked, below_sixteen, passed_in_time
 from tests.prove.test_cache import Set
-
-
-@pytest.fixture
-def said() -> list[str]:
-    return []
-
-
-@pytest.fixture
-def cache(tmp_path: Path, said: list[str]) -> Cache:
-    return Cache(tmp_path / "cache", said.append)
-
 
 LIMITS = Limits(20)
 

@@ -10,7 +10,6 @@ import pytest
 from safety import ModelError
 from safety.prove.bounds import (
     Bound,
-    Bracket,
     Limits,
     between,
     bracket,
@@ -25,22 +24,9 @@ from safety.prove.solve import SAT, UNKNOWN, UNSAT, Disagreement
 from safety.terms import Bit, Real, TermError, UInt, implies, real, select
 from safety.terms.graph import uint, variable
 from safety.terms.values import all_of
+from tests.prove.bounded import bound, narrow
 
 x, y, z = reals("x y z")
-ONE = real(1)
-
-
-def bound(quantity: Real, *given: Bit, per: Real = ONE, whole: tuple[Real, ...] = ()) -> Bound:
-    return Bound("b", "a quantity", quantity, given, per, whole)
-
-
-def narrow(found: Bracket, around: F) -> bool:
-    """Proved by both routes, no wider than asked for, with the value in it."""
-    assert (found.verdict, found.agreed_by) == (PROVED, [NLSAT, BOXES]), found.why
-    assert found.low is not None and found.high is not None and found.width is not None
-    return found.width <= F(1, 10_000) and found.low <= around <= found.high
-
-
 # --- where a bound can go wrong ---------------------------------------------------------------------------------------
 
 

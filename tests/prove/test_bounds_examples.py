@@ -8,7 +8,6 @@ import pytest
 
 from safety.prove.bounds import (
     Bound,
-    Bracket,
     between,
     bracket,
     check,
@@ -19,22 +18,9 @@ from safety.prove.bounds import (
 )
 from safety.prove.bounds.routes import BOXES, NLSAT
 from safety.prove.claims import PROVED, REFUTED
-from safety.terms import Bit, Real, real
+from safety.terms import real
 from safety.terms.direct import evaluate
-
-ONE = real(1)
-
-
-def bound(quantity: Real, *given: Bit, per: Real = ONE, whole: tuple[Real, ...] = ()) -> Bound:
-    return Bound("b", "a quantity", quantity, given, per, whole)
-
-
-def narrow(found: Bracket, around: F) -> bool:
-    """Proved by both routes, no wider than asked for, with the value in it."""
-    assert (found.verdict, found.agreed_by) == (PROVED, [NLSAT, BOXES]), found.why
-    assert found.low is not None and found.high is not None and found.width is not None
-    return found.width <= F(1, 10_000) and found.low <= around <= found.high
-
+from tests.prove.bounded import bound, narrow
 
 # --- braking under sampled control -----------------------------------------------------------------------------------
 

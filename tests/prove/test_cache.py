@@ -18,7 +18,7 @@ from safety.model import Model, parameter, point, power_up
 from safety.prove import cache as caches
 from safety.prove.cache import Cache, digest, files, prover, text_of
 from safety.prove.canonical import NoKeyError, problem_key, read, written
-from safety.prove.claims import BITS, REFUTED, Claim, Scenario, age, once, persists
+from safety.prove.claims import BITS, REFUTED, VERDICTS, Claim, Scenario, age, once, persists
 from safety.prove.prove import stated
 from safety.system import ANY
 from safety.terms import U4, Bit, implies, select
@@ -32,17 +32,12 @@ def key(claim: Claim, *surroundings: str) -> str:
     return problem_key(stated(claim), *surroundings)
 
 
+def test_what_is_tried_for_a_claim_is_part_of_its_key() -> None:
+    """A bounded verdict where no more was asked for is not the last word where a proof is."""
+    assert len({key(asked(below_sixteen, expect=expect)) for expect in VERDICTS}) == len(VERDICTS)
+
+
 # --- the store -----------------------------------------------------------------------------------------------------
-
-
-@pytest.fixture
-def said() -> list[str]:
-    return []
-
-
-@pytest.fixture
-def cache(tmp_path: Path, said: list[str]) -> Cache:
-    return Cache(tmp_path / "cache", said.append)
 
 
 RECORD = {"big": 2**200, "infinite": float("inf"), "none": None, "list": [1, "a", {"deep": True}]}

@@ -148,7 +148,6 @@ def test_all_reasons_are_kept(monkeypatch: pytest.MonkeyPatch) -> None:
 
     monkeypatch.setattr("safety.prove.synthesis.synthesise.synthesise", nothing)
     monkeypatch.setattr(falsify, "reach", lambda *_: None)
-    monkeypatch.setattr("safety.prove.premises.reach", lambda *_: None)
     engines(monkeypatch, lambda _: Result("spacer"))
 
     def after_long(s: Seen) -> Bit:

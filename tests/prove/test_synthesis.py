@@ -10,6 +10,7 @@ from safety import (
     ANY_TIME,
     PROVED,
     REFUTED,
+    TRANSIENT,
     U8,
     Bit,
     Fault,
@@ -23,6 +24,7 @@ from safety import (
     point,
     power_up,
     select,
+    stuck,
     total,
 )
 from safety.prove import prove as flow
@@ -39,6 +41,7 @@ from safety.prove.synthesis.sampling import Sampler, evaluate
 from safety.prove.synthesis.synthesise import Found, synthesise
 from safety.prove.synthesis.templates import TRUE
 from safety.terms.values import bit
+from tests.prove.small import asked
 
 QUICK = Limits(timeout=20.0, synthesis=20.0, simulation=2.0, portfolio=0.0)
 
@@ -133,6 +136,29 @@ def test_the_potential_of_a_race_is_found_and_holds_in_steps_not_seen():
     kv, kr = (fresh.inputs[problem.system.inputs[n].uid] for n in ("kv", "kr"))
     assert inner.sum() > 20
     assert ((after - before)[inner] == (kv - kr)[inner]).all()
+
+
+class Gated(Model, tick_s="1e-3"):
+    """Counts to 20 while it is let; out from 10 on."""
+
+    n: U8 = power_up(0)
+
+    def step(self, go: Bit, reset: Bit) -> tuple["Gated", Trip]:
+        counts = point("go", go) & (self.n < 20)
+        return Gated(n=select(reset, 0, select(counts, (self.n + 1).low(8), self.n))), Trip(self.n >= 10)
+
+
+@pytest.mark.parametrize("onset", [{}, {"onset": ANY_TIME}, {"onset": TRANSIENT, "ticks": 5}])
+def test_a_fault_whose_registers_are_far_away_breaks_no_search(onset):
+    """The registers nearest to the property do not include those of the fault, and yet the lemmas are guarded by it."""
+
+    def comes(s: Seen) -> Bit:
+        """Let for 13 ticks, it is out."""
+        return implies(persists(s.go & ~s.reset, 13), s.trip)
+
+    stops = at_most(1, [Fault(stuck(0), "go", **onset, name="stops")])
+    found = synthesise(build_problem(asked(comes, Gated, faults=stops)), 10.0)
+    assert found.depth is None and found.why
 
 
 class Leaky(Race, tick_s="1e-3"):
