@@ -17,13 +17,11 @@ from proofs.ts7_formulas import Formula, at_least_kmh, at_most_kmh, frames_for
 from safety import PROVED, Bit, Seen
 from safety.prove.claims import Claim
 from safety.prove.induction import by_induction
-from safety.prove.outcome import Limits
 from safety.prove.problem import build_problem
 from safety.prove.prove import prove
-from tests.proofs.verdicts import check, claims_of, without_twin
+from tests.proofs.verdicts import SHORT, check, claims_of, without_twin
 
 CLAIMS = {**claims_of(channel), **claims_of(rollback)}
-SHORT = Limits(60, synthesis=5, simulation=1, portfolio=0)
 
 
 @pytest.mark.parametrize("claim", CLAIMS.values(), ids=list(CLAIMS))

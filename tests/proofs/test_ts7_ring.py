@@ -12,7 +12,7 @@ from safety.faults import expand
 from safety.prove.claims import Claim
 from safety.prove.prove import prove
 from safety.tracing import trace
-from tests.proofs.verdicts import check, claims_of, of, without_twin
+from tests.proofs.verdicts import OWN_LEMMAS, SHORT, check, claims_of, of, without_twin
 
 CLAIMS = claims_of(ring)
 
@@ -41,17 +41,17 @@ def test_the_faults_proved_include_those_injected() -> None:
 
 def test_a_stage_that_is_left_out_of_the_lemma_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(ring, "STAGES", range(31))
-    assert of(ring.every_shared_fault_is_found, steps=1).verdict != PROVED
+    assert of(ring.every_shared_fault_is_found, OWN_LEMMAS, steps=1).verdict != PROVED
 
 
 def test_a_fault_that_the_lemma_does_not_know_is_noticed() -> None:
     with_column = at_most(1, [*ring.SILENT, *ring.FULL, ring.HALF, ring.DOWN, ring.at(1, "column", bit=5)])
-    assert of(ring.every_shared_fault_is_found, faults=with_column, steps=1).verdict != PROVED
+    assert of(ring.every_shared_fault_is_found, OWN_LEMMAS, faults=with_column, steps=1).verdict != PROVED
 
 
 def test_two_faults_are_more_than_one() -> None:
     both = at_most(2, [*ring.SILENT, *ring.FULL, ring.HALF, ring.DOWN])
-    assert of(ring.every_shared_fault_is_found, faults=both, steps=1).verdict != PROVED
+    assert of(ring.every_shared_fault_is_found, OWN_LEMMAS, faults=both, steps=1).verdict != PROVED
 
 
 @pytest.mark.parametrize("point", ["overflow.strobe", "carry.out", "data", "matrix.j2", "select.j3"])
@@ -62,4 +62,4 @@ def test_a_broken_ring_does_not_do_what_the_words_do(point: str) -> None:
 
 def test_a_pulse_more_or_less_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(ring, "SPEED_FRACTION", ts7_formulas.SPEED_FRACTION - 1)
-    assert of(ring.way_of_a_pulse_is_the_same_for_all_wheels, steps=1).verdict != PROVED
+    assert of(ring.way_of_a_pulse_is_the_same_for_all_wheels, SHORT, steps=1).verdict != PROVED

@@ -10,7 +10,7 @@ from proofs import ts7_window as window
 from safety import PROVED, Bit, Seen, implies
 from safety.prove.claims import Claim
 from safety.prove.prove import prove
-from tests.proofs.verdicts import check, claims_of, of, without_twin
+from tests.proofs.verdicts import OWN_LEMMAS, check, claims_of, of, without_twin
 
 CLAIMS = claims_of(window)
 
@@ -28,14 +28,14 @@ def test_one_frame_less_is_not_proved() -> None:
     def sooner(s: Seen) -> Bit:
         return implies(window.has_acted(s, 446), window.found(s))
 
-    assert of(window.dead_check_is_found, formula=sooner, steps=4).verdict != PROVED
+    assert of(window.dead_check_is_found, OWN_LEMMAS, formula=sooner, steps=4).verdict != PROVED
 
 
 @pytest.mark.parametrize("claim", [c for c in CLAIMS.values() if c.lemmas], ids=lambda c: c.formula.__name__)
 def test_no_lemma_can_be_left_out(claim: Claim) -> None:
     for left_out in claim.lemmas:
         rest = tuple(lemma for lemma in claim.lemmas if lemma is not left_out)
-        assert prove(replace(claim, lemmas=rest, steps=2)).verdict != PROVED, left_out.__name__
+        assert prove(replace(claim, lemmas=rest, steps=2), OWN_LEMMAS).verdict != PROVED, left_out.__name__
 
 
 @pytest.mark.parametrize("word", [84, 87, 81, 93, 69, 117, 65, 127])

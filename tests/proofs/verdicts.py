@@ -9,7 +9,10 @@ from typing import Any
 
 from safety import PROVED, REFUTED
 from safety.prove.claims import Claim, claim_id, registered
-from safety.prove.prove import Outcome, prove
+from safety.prove.prove import Limits, Outcome, prove
+
+OWN_LEMMAS = Limits(synthesis=0, simulation=0, portfolio=0)  # nothing is looked for but short runs
+SHORT = Limits(synthesis=5, simulation=1, portfolio=0)  # lemmas are looked for, but not for long
 
 
 def claims_of(module: ModuleType) -> dict[str, Claim]:
@@ -17,10 +20,10 @@ def claims_of(module: ModuleType) -> dict[str, Claim]:
     return {c.formula.__name__: c for c in registered() if c.formula.__module__ == module.__name__}
 
 
-def of(stated: Callable[..., Any], **changed: Any) -> Outcome:
+def of(stated: Callable[..., Any], limits: Limits | None = None, **changed: Any) -> Outcome:
     """The outcome of a claim, perhaps changed."""
     claim = next(c for c in registered() if c.id == claim_id(stated))
-    return prove(replace(claim, **changed))
+    return prove(replace(claim, **changed), limits)
 
 
 def check(outcome: Outcome) -> None:
