@@ -1,10 +1,13 @@
 """A small project on disk, and a way to call the command on it within this process."""
 
 import json
+import os
+import subprocess
 import sys
 import textwrap
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from importlib.metadata import entry_points
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +19,8 @@ import safety.prove.claims
 import safety.prove.hazards
 import safety.rates.claims
 from safety.commands import main
+
+ROOT = Path(__file__).resolve().parents[2]
 
 MODEL = '''
     """A pulse counter with an alarm."""
@@ -179,3 +184,14 @@ def run(project: Path, apart: None, monkeypatch: pytest.MonkeyPatch, capfd: pyte
 
 def document(path: Path) -> Any:
     return json.loads(path.read_text(encoding="utf-8"))
+
+
+def with_plug_in(folder: Path, *words: str) -> subprocess.CompletedProcess[str]:
+    """pytest with the plug-in, warnings as errors, in a process of its own."""
+    installed = entry_points(group="pytest11", name="rightside")  # pytest loads it of itself, and not twice
+    plugin = [] if installed else ["-p", "safety.pytest_plugin"]
+    options = ["-W", "error", "-p", "no:cacheprovider", "-p", "no:hypothesispytest", *plugin, *words]
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    return subprocess.run(
+        [sys.executable, "-m", "pytest", *options], cwd=folder, env=environment, capture_output=True, text=True
+    )

@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-import os
-import subprocess
-import sys
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from tests.commands.conftest import Run, document, put
+from tests.commands.conftest import Run, document, put, with_plug_in
 
-ROOT = Path(__file__).resolve().parents[2]
 BOUNDS = '''
     """Pulse counter: how far it runs on."""
     from fractions import Fraction
@@ -126,9 +122,5 @@ def test_a_bound_has_no_model_to_export(run: Run, slide: Path) -> None:
 
 
 def test_the_plug_in_makes_them_items(slide: Path) -> None:
-    options = ["-p", "no:cacheprovider", "-p", "safety.pytest_plugin", "--rightside", "-v", "proofs/slide.py"]
-    done = subprocess.run(
-        [sys.executable, "-m", "pytest", *options],
-        cwd=slide, env={**os.environ, "PYTHONPATH": str(ROOT)}, capture_output=True, text=True,
-    )  # fmt: skip
+    done = with_plug_in(slide, "--rightside", "-v", "proofs/slide.py")
     assert done.returncode == 0 and "3 passed" in done.stdout, done.stdout + done.stderr

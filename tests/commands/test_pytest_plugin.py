@@ -1,14 +1,9 @@
-import os
-import subprocess
-import sys
-from importlib.metadata import entry_points
 from pathlib import Path
 
 import pytest
 
-from tests.commands.conftest import put
+from tests.commands.conftest import put, with_plug_in
 
-ROOT = Path(__file__).resolve().parents[2]
 LOADED = """
     import sys
     def test_nothing_heavy_is_loaded():
@@ -16,20 +11,9 @@ LOADED = """
 """
 
 
-def call(folder: Path, *words: str) -> subprocess.CompletedProcess[str]:
-    """pytest with the plug-in, warnings as errors, in a process of its own."""
-    installed = entry_points(group="pytest11", name="rightside")
-    plugin = [] if installed else ["-p", "safety.pytest_plugin"]
-    options = ["-W", "error", "-p", "no:cacheprovider", "-p", "no:hypothesispytest", *plugin, *words]
-    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
-    return subprocess.run(
-        [sys.executable, "-m", "pytest", *options], cwd=folder, env=environment, capture_output=True, text=True
-    )
-
-
 def test_claims_and_campaigns_are_items_that_pass_when_as_asked(whole: Path) -> None:
     put(whole, "pytest.ini", "[pytest]\nrightside = true\n")
-    done = call(whole, "-v", "proofs")
+    done = with_plug_in(whole, "-v", "proofs")
     assert done.returncode == 0, done.stdout
     shown = " ".join(done.stdout.split())
     for text in (
@@ -45,7 +29,7 @@ def test_a_failure_tells_verdict_and_changed_cells_and_a_broken_file_its_line(pr
     path.write_text(path.read_text().replace("s.n >= 12, s.alarm", "s.n >= 6, s.alarm"))
     put(project, "proofs/broken.py", "x = nothing\n")
     put(project, "proofs/wrong.py", path.read_text().replace("s.n != 5", "s.m != 5"))
-    done = call(project, "--rightside", "--continue-on-collection-errors", "-k", "not said", "proofs")
+    done = with_plug_in(project, "--rightside", "--continue-on-collection-errors", "-k", "not said", "proofs")
     assert done.returncode == 1
     for text in (
         "counter.alarm_at_twelve  refuted, expected proved",
@@ -61,7 +45,7 @@ def test_a_failure_tells_verdict_and_changed_cells_and_a_broken_file_its_line(pr
 def test_other_test_runs_are_left_alone(project: Path) -> None:
     put(project, "test_own.py", LOADED)
     put(project, "proofs/broken.py", "x = nothing\n")
-    done = call(project, "--strict-config", "--strict-markers")
+    done = with_plug_in(project, "--strict-config", "--strict-markers")
     assert done.returncode == 0, done.stdout
     assert "1 passed" in done.stdout
 
@@ -69,5 +53,5 @@ def test_other_test_runs_are_left_alone(project: Path) -> None:
 @pytest.mark.parametrize("words", [["--rightside"], []])
 def test_files_outside_of_proofs_are_left_alone(project: Path, words: list[str]) -> None:
     put(project, "tests/test_own.py", "def test_own():\n    pass\n")
-    done = call(project, *words, "tests", "models")
+    done = with_plug_in(project, *words, "tests", "models")
     assert (done.returncode, "1 passed" in done.stdout) == (0, True), done.stdout
