@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import random
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from safety import faults
 from safety.faults import (
     ANY_TIME,
     FROM_START,
@@ -244,7 +244,7 @@ def test_acted_is_what_was_active_before() -> None:
     for onset, ticks in ((ANY_TIME, None), (TRANSIENT, 2), (INTERMITTENT, None)):
         faulted = instrument(trace(Line), [Fault(flip(), ["wire"], onset, ticks=ticks)], present=None)
         watched = {"active": faulted.active[0], "acted": faulted.acted[0]}
-        system = faults.replace(faulted.system, signals={**faulted.system.signals, **watched})
+        system = replace(faulted.system, signals={**faulted.system.signals, **watched})
         found = run(system, lambda k: {"w": False, "n": 0, now_name(0): k in (2, 3, 5)}, 8, start={"fault0": True})
         assert found["acted"] == [any(found["active"][:k]) for k in range(8)] == [False] * 3 + [True] * 5
         gone = run(system, {"w": False, "n": 0, now_name(0): True}, 3)

@@ -15,12 +15,13 @@ ROOT = Path(__file__).resolve().parent.parent
 FACADE = "safety"  # safety/__init__.py hands out names to users; inside the package only the outermost parts use it
 
 # The parts of safety/, each with the parts that it may import besides itself.
-CORE = {"terms", "system", "scope", "fields", "model", "tracing", "trace", "kinds", "faults"}
+CORE = {"terms", "system", "canonical", "scope", "fields", "model", "tracing", "trace", "kinds", "faults"}
 ANALYSES = CORE | {"export", "prove", "inject", "trees", "trees.from_model", "rates"}
 EVERYTHING = ANALYSES | {FACADE, "project", "report", "commands", "pytest_plugin"}
 MAY_IMPORT = {
     "terms": set(),
     "system": {"terms"},
+    "canonical": {"terms", "system"},
     "scope": {"terms", "system"},
     "fields": {"terms", "system"},
     "model": {"terms", "system", "scope", "fields"},

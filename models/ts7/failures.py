@@ -9,27 +9,18 @@ Source: components and modes after the fault table of the equipment [A]; a wrong
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import cast
 
-from safety import Bit, Fault, UInt, byzantine, flip, frozen, open_circuit, select, stuck, welded, word
-from safety.faults import Kind, Seat
-from safety.terms.graph import Term, uint
+from safety import Fault, byzantine, flip, frozen, missing, open_circuit, reads, stuck, welded
+from safety.kinds import Kind
 
 CHANNELS = "abc"
 WORD_90, WORD_25, SMALLEST_WHEEL = 191, 53, 156
 ALL_FAST, ONE_FAST = 16, 10  # one generator pulse in so many is missing: shared oscillator 6.7 % fast, own 11 % [A]
 
 
-def reads(value: int) -> Kind:
-    """Wrong row: the word reads a constant."""
-    meaning = f"the word {value} whatever is selected"
-    return Kind(f"reads {value}", meaning, lambda _, healthy: word(value, as_word(healthy).width), ("uint",))
-
-
-def wired_or(value: int) -> Kind:
-    """Two rows at once: the columns carry the OR of two words."""
-    meaning = f"each bit of {value} is on"
-    return Kind(f"ORed with {value}", meaning, lambda _, healthy: as_word(healthy) | value, ("uint",))
+def lines_of(value: int) -> tuple[int, ...]:
+    """The lines of a word that are on, as bit numbers: with a second row selected besides they are stuck at 1."""
+    return tuple(k for k in range(value.bit_length()) if value >> k & 1)
 
 
 def fewer_pulses(one_in: int) -> Kind:
@@ -37,21 +28,7 @@ def fewer_pulses(one_in: int) -> Kind:
 
     At `axle.pulse` the oscillator is shared, at `a.f_s` it is channel a's own; the speed-up is 1/(one_in - 1).
     """
-
-    def effect(seat: Seat, healthy: Term) -> Term:
-        width = one_in.bit_length()
-        came = cast(UInt, seat.register("came", uint(width), 0))
-        pulse, last = cast(Bit, healthy), came == one_in - 1
-        seat.then(came, select(pulse, select(last, 0, (came + 1).low(width)), came))
-        return pulse & ~last
-
-    return Kind(f"one pulse in {one_in} missing", "fewer pulses a frame: the frames are too short", effect, ("bit",))
-
-
-def as_word(term: Term) -> UInt:
-    """A term known to be a word."""
-    assert isinstance(term, UInt)
-    return term
+    return missing(1, every=one_in)
 
 
 def channel_faults(n: str) -> list[Fault]:
@@ -76,7 +53,7 @@ def shared_faults() -> list[Fault]:
     return [
         Fault(stuck(0), ["axle.pulse"], name="speed generator dead"),
         Fault(reads(WORD_90), words, name="wrong row in all channels"),
-        Fault(wired_or(WORD_25), words, name="signal lines wire-ORed with 25"),
+        Fault(stuck(1, bit=lines_of(WORD_25)), words, name="signal lines wire-ORed with 25"),
         Fault(reads(SMALLEST_WHEEL), ["wheel_switch"], name="wheel switch on 780 mm"),
         Fault(reads(0), ["wheel_switch"], name="wheel switch open"),
         Fault(fewer_pulses(ALL_FAST), ["axle.pulse"], name="shared oscillator fast"),
@@ -144,7 +121,7 @@ def _rows(words: list[str], whose: str) -> list[Fault]:
     """The row of 90 km/h in place of the selected one, and that of 25 besides it."""
     return [
         Fault(reads(WORD_90), words, name=f"row {whose} wrong"),
-        Fault(wired_or(WORD_25), words, name=f"row {whose} and that of 25"),
+        Fault(stuck(1, bit=lines_of(WORD_25)), words, name=f"row {whose} and that of 25"),
     ]
 
 

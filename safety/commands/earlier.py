@@ -8,12 +8,13 @@ from argparse import Namespace
 from collections.abc import Iterator, Sequence
 from typing import Any
 
+from safety.canonical import digest
 from safety.commands import CommandError
 from safety.commands.recall import folder, key_of, usable
 from safety.commands.selection import Item, items
 from safety.commands.snapshot import Read, Snapshot
 from safety.project import Project
-from safety.prove.cache import Cache, digest
+from safety.prove.cache import Cache
 from safety.report.results import Results
 
 SECTIONS = ("claims", "campaigns", "trees", "rates")

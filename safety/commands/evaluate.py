@@ -39,6 +39,7 @@ class Order:
     traceback: bool = False
     cache: bool = False
     again: Sequence[str] = ()  # claims to prove and to compare with what the cache says
+    injecting: Mapping[str, Any] = field(default_factory=dict)  # of campaigns, see `injecting.Wishes`
 
 
 @dataclass
@@ -172,10 +173,11 @@ def _bound(project: Project, item: Item, order: Order) -> Answer:
 
 
 def _campaign(project: Project, item: Item, order: Order, note: Note) -> Answer:
-    campaign = find(project.campaigns, item.id)
-    if isinstance(campaign.model, type):
-        campaign.settings = {**campaign.settings, **fitting(campaign.model, order.settings)}
-    return Answer(item, campaign.run(lambda share, seconds: note(f"{share:.0%}")))
+    from safety.commands.injecting import Wishes, injected, prepare
+
+    campaign, wishes = find(project.campaigns, item.id), Wishes(**order.injecting)
+    prepare(campaign, wishes, order.settings)
+    return Answer(item, injected(campaign, wishes, project.root, note))
 
 
 def _hazard(project: Project, item: Item, order: Order, note: Note) -> Answer:
@@ -228,6 +230,9 @@ def _problem(project: Project, item: Item, error: Exception) -> Problem:
     elif item.section == "claims":
         code = find(project.claims, item.id).formula.__code__
         place, line = Path(code.co_filename), code.co_firstlineno
+    elif item.section == "campaigns":
+        file, line = find(project.campaigns, item.id).place
+        place = Path(file)
     found = project.problem(error, place, line)
     named = found.message if item.id in found.message else f"{item.id}: {found.message}"
     return replace(found, message=named)

@@ -24,8 +24,9 @@ from safety.report.standing import NOTHING, UNDECIDED, WEAKER
 
 if TYPE_CHECKING:
     from safety.prove.claims import Claim
-    from safety.prove.mutants import Fate, Subject
+    from safety.prove.mutants import Fate
     from safety.prove.mutation import Mutant, Mutants
+    from safety.prove.mutation_case import Subject
 
 AT_ONCE = 256  # mutants in one piece of work: a run costs nearly the same for one as for all of them
 SCHEMA = "rightside/mutants/2"
@@ -64,15 +65,17 @@ def examined(project: Project, item: Item, order: Order) -> Entry:
     """A worker's answer to one piece of work: the fate of each of its mutants."""
     began = time.perf_counter()
     numbers = [int(number) for number in item.expect.split()]
+    from safety.prove.mutants import examine
+
     subject = _subject(tuple(item.statement.split()), order.timeout)
-    found = [_entry(project.root, item.model, subject.mutants, fate) for fate in subject.examine(numbers)]
+    found = [_entry(project.root, item.model, subject.mutants, fate) for fate in examine(subject, numbers)]
     return {"id": item.id, "mutants": found, "seconds": round(time.perf_counter() - began, 3)}
 
 
 @functools.lru_cache(maxsize=1)  # pieces of one model come in a row
 def _subject(ids: tuple[str, ...], timeout: float) -> Subject:
     from safety.prove.claims import registered
-    from safety.prove.mutants import Subject
+    from safety.prove.mutation_case import Subject
 
     return Subject([claim for claim in registered() if claim.id in ids], timeout)
 
@@ -102,7 +105,7 @@ class _Work:
 
     def __init__(self, claims: Sequence[Claim], root: Path, screen: Screen) -> None:
         from safety.prove.claims import REFUTED
-        from safety.prove.mutants import judged, mutants_for
+        from safety.prove.mutation_case import judged, mutants_for
 
         self.root, self.screen, self.interrupted, self.failed = root, screen, False, False
         by_model: dict[type, list[Claim]] = {}

@@ -68,7 +68,8 @@ def folder(root: Path) -> Path:
 
 def key_of(problem: Problem, limits: Limits) -> str | None:
     """The key of a problem; None when it has none."""
-    from safety.prove.canonical import NoKeyError, problem_key
+    from safety.canonical import NoKeyError
+    from safety.prove.canonical import problem_key
 
     others = {name: value for name, value in vars(limits).items() if name != "timeout"}
     try:
@@ -108,8 +109,8 @@ def usable(record: Any, timeout: float) -> bool:
 
 def _record(outcome: Outcome, problem: Problem, limits: Limits) -> dict[str, Any] | None:
     """An outcome as plain data; None when it is not to be kept."""
+    from safety.canonical import written
     from safety.commands.stimulus import stimulus
-    from safety.prove.canonical import written
 
     fields = {f.name: getattr(outcome, f.name) for f in dataclasses.fields(outcome) if f.name not in _NOT_KEPT}
     trace, scripted = outcome.counterexample, outcome.method.startswith(SCRIPTED)
@@ -146,7 +147,7 @@ def _plain(value: Any) -> Any:
 
 def _restored(cache: Cache, problem: Problem, record: Any, limits: Limits) -> Outcome | None:
     """The outcome that a record holds, its counterexample run again; None when it is not to be used."""
-    from safety.prove.canonical import read
+    from safety.canonical import read
     from safety.prove.prove import Outcome
 
     if not usable(record, limits.timeout):

@@ -3,6 +3,8 @@
 ID is a claim that was refuted (its run; of a bound its point), CAMPAIGN#N or CAMPAIGN::INJECTION (one injection),
 HAZARD#N or HAZARD::FAULTS (one cut set, numbered as `rightside tree` shows them; order 0 is #0).  Results are those of
 the last run, or of --from.
+An INJECTION may give the campaign's faults any onset: NAME, NAME from step 40, NAME, transient at 40 for 3; several
+stand with & between.
 Exit 0 when it comes out as it was recorded, 1 when it does not.
 """
 
@@ -13,7 +15,7 @@ from argparse import ArgumentParser, Namespace
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from safety.commands import CommandError, memory, options
 from safety.commands.evaluate import find, fitting, fitting_claim
@@ -28,13 +30,20 @@ from safety.prove.problem import build_problem, observed
 from safety.prove.record import story
 from safety.prove.refinement import build_refinement
 from safety.report.results import load
+from safety.report.sarif import replay_command
 from safety.report.schema import Entry
-from safety.system import nearest
+from safety.system import ModelError, nearest
 from safety.trace import Trace
+
+if TYPE_CHECKING:
+    from safety.inject import Campaign, Injection
+    from safety.inject import Replay as InjectionReplay
 
 EXAMPLES = """
 rightside replay ts7_voting.brakes_with_two_faults
 rightside replay ts7.ring#17 --show "ring,overflow.*" --last 200
+rightside replay "ts7.ring::sum stuck-at-1" --shrink
+rightside replay "ts7.ring::sum stuck-at-1, transient at 640 for 32" --vcd sum.vcd
 rightside replay ts7_voting.overspeed_without_brake#0 --vcd cut_set.vcd
 rightside replay ts7_voting.brakes_with_two_faults --from results.json
 """
@@ -64,6 +73,10 @@ def add_arguments(parser: ArgumentParser) -> None:
     parser.add_argument(
         "--from", dest="source", metavar="FILE", help="results kept with --json (default: the last ones)"
     )
+    parser.add_argument(
+        "--shrink", action="store_true",
+        help="of an injection that is dangerous undetected: the fewest faults, for the shortest time, that are so too",
+    )  # fmt: skip
     add_signals(parser)
     parser.add_argument(
         "--first",
@@ -109,6 +122,8 @@ def _replayed(project: Project, args: Namespace) -> Replayed:
     else:
         raise CommandError(f"{args.id}: a number follows #, e.g. {name}#0")
     of_claims, of_hazards, of_campaigns = ({each.id for each in each_kind} for each_kind in _declared(project))
+    if args.shrink and name in of_claims | of_hazards:
+        raise CommandError(f"--shrink is for an injection of a campaign; {name} is none")
     if name in of_claims:
         return _claim(project, name, _recorded(project, args, "claims", name))
     if name in of_hazards:
@@ -195,19 +210,43 @@ def _faults(name: str, key: str | int | None, entry: Entry | None) -> tuple[str,
 
 def _injection(project: Project, name: str, key: str | int | None, args: Namespace, recorded: Recorded) -> Replayed:
     from safety.inject.classes import class_of
+    from safety.inject.reproduce import read, reproducer
 
     if key is None:
         raise CommandError(f"{name} is a campaign; write {name}#0, {name}#1, ... for one of its injections")
     campaign = find(project.campaigns, name)
     if isinstance(campaign.model, type):
         campaign.settings = {**campaign.settings, **fitting(campaign.model, recorded.settings)}
+    injection = read(campaign, key)
+    if args.shrink:
+        least = reproducer(campaign, injection)
+        injection = least.injection
+        print(f"minimal reproducer, of {least.runs} runs: {replay_command(f'{name}::{injection.id}')}", file=sys.stderr)
     keep = [path for path in campaign.system.names() if path not in campaign.system.inputs]
-    found = campaign.replay(key, keep=keep)
+    found = campaign.replay(injection, keep=keep)
     came = class_of(found.cell)
-    told = f"{found.injection.id} is {came.replace('_', ' ')}"
+    told = f"{injection.id} is {came.replace('_', ' ')}{_by_what(found)}"
     paths = found.trace.telling([path for path in found.trace.columns if path.startswith("observed ")])
-    if recorded.entry is None:
+    entry = recorded.entry
+    if entry is None:
         return Replayed(found.trace, True, f"{told}; there is no earlier result to compare with", paths)
-    was = f"{name}::{found.injection.id}" in recorded.entry.get("replay", ())
+    listed = entry.get("replay", ())
+    was = f"{name}::{injection.id}" in listed
+    if not was and (not _own(campaign, injection) or entry.get("replay_of", 0) > len(listed)):
+        return Replayed(found.trace, True, f"{told}; the results do not list it", paths)
     same = was == (came == "dangerous_undetected")
     return Replayed(found.trace, same, told + ("" if same else ", which the results deny"), paths)
+
+
+def _own(campaign: Campaign, injection: Injection) -> bool:
+    """Whether the campaign itself makes this injection."""
+    try:
+        return campaign.space.find(injection.id) >= 0
+    except ModelError:
+        return False
+
+
+def _by_what(found: InjectionReplay) -> str:
+    if found.detected_by is None:
+        return ""
+    return f" by {found.detected_by}" + ("" if found.latency is None else f" after {found.latency} frames")

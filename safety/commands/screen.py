@@ -6,6 +6,7 @@ import os
 import sys
 import time
 from collections.abc import Mapping, Sequence
+from textwrap import shorten
 from typing import Any
 
 from safety.commands.selection import Item
@@ -18,6 +19,7 @@ Styles = Mapping[int, str]
 STYLES: Styles = {0: "green", 3: "yellow", 4: "yellow"}  # else red
 _UP_TO = {"bounded": "to", "refuted": "in"}
 NAMES = 44  # most characters of an id before the columns shift
+REASON = 160  # most characters of a reason
 
 
 class Screen:
@@ -73,7 +75,7 @@ def line(section: str, entry: Entry, judged: Standing, width: int) -> str:
     """Mark, verdict, id, what is not as asked, and how it was found: `x BOUNDED  voter.trips  expected proved ...`."""
     word, *told = _TOLD[section](entry)
     mark = "x" if judged.code else " "
-    reason = [judged.reason] if judged.code else []
+    reason = [shorten(judged.reason, REASON, placeholder=" ...")] if judged.code else []  # the summary has all of it
     seconds = entry.get("seconds")
     if isinstance(seconds, Mapping):
         seconds = seconds.get("total")

@@ -7,16 +7,17 @@ import hashlib
 import sys
 import time
 from argparse import Namespace
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from contextlib import closing
 from dataclasses import dataclass, field
 from fractions import Fraction
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from safety.commands import INPUT_ERROR, INTERRUPTED, CommandError, earlier, memory
 from safety.commands.earlier import Earlier
-from safety.commands.evaluate import Answer, Order, fitting, has_parameter, models_of, without_result
+from safety.commands.evaluate import Answer, Entry, Note, Order, fitting, has_parameter, models_of, without_result
 from safety.commands.options import cores
 from safety.commands.output import probe, write, write_json
 from safety.commands.screen import Screen
@@ -35,6 +36,8 @@ if TYPE_CHECKING:
 NOUNS = {"claims": "claims", "campaigns": "campaigns", "trees": "hazards", "rates": "rates"}
 SAVE_S = 30.0  # what a power cut may cost
 
+Here = Callable[[Project, Item, Note], Entry]
+
 
 @dataclass
 class Session:
@@ -50,6 +53,8 @@ class Session:
     interrupted: bool = False
     notes: dict[str, str] = field(default_factory=dict)
     code: int = 0
+    here: Here | None = None  # what works on an item in this process, where no worker does
+    records: dict[str, Any] = field(default_factory=dict)  # of campaigns, for a baseline
 
     @property
     def part(self) -> bool:
@@ -65,6 +70,7 @@ class Session:
         settings = {**config.settings, **dict(args.settings)}
         order = Order(args.timeout or config.timeout, settings, bool(getattr(args, "vcd", None)), args.traceback)
         order.certify = getattr(args, "certify", None) or ""
+        order.injecting = getattr(args, "injecting", {})
         if self.earlier:
             order.cache, order.again = True, self.earlier.again
         if not (self.earlier and self.earlier.known):
@@ -74,7 +80,10 @@ class Session:
             self._show_problems(screen, self.project.problems)
             width = max((len(item.id) for item in self.chosen), default=0)
             left = self._recall(screen, width)
-            if left:
+            if left and self.here:
+                with screen:
+                    self._one_by_one(left, self.here, screen, width)
+            elif left:
                 with screen, Workers(self.project, order, args.jobs or config.jobs or cores()) as workers:
                     self._gather(left, workers, screen, width)
         except KeyboardInterrupt:
@@ -127,6 +136,19 @@ class Session:
                         saved = time.monotonic()
                 screen.working(done, len(self.chosen), workers.at_work(), self.notes)
 
+    def _one_by_one(self, left: Sequence[Item], here: Here, screen: Screen, width: int) -> None:
+        """Work in this process; what is given out to others is given out by `here`."""
+        for done, item in enumerate(left):
+            screen.working(done, len(left), [item], self.notes)
+            entry = here(self.project, item, partial(self._tell, screen, item, done, len(left)))
+            as_asked = self._take(Answer(item, entry), screen, width)
+            if self.args.first and not as_asked:
+                return
+
+    def _tell(self, screen: Screen, item: Item, done: int, of: int, text: str) -> None:
+        self.notes[item.id] = text
+        screen.working(done, of, [item], self.notes)
+
     def _take(self, answer: Answer, screen: Screen, width: int) -> bool:
         """Show and keep an answer; whether it is as asked."""
         item, entry = answer.item, answer.entry
@@ -137,6 +159,8 @@ class Session:
             self.project.problems.append(answer.problem)
         if entry is None:
             return False
+        if "record" in entry:
+            self.records[item.id] = entry.pop("record")
         try:
             validate({"schema": SCHEMA, item.section: [entry]}, item.id)
         except ResultsError as error:  # one entry that is out of shape must not cost all the others
@@ -186,8 +210,11 @@ class Session:
         raise CommandError(f"--set: {min(messages, key=lambda text: ('did you mean' not in text, len(text)))}")
 
     def _keep(self) -> str:
-        """Keep the results for --lf, replay and report; why not, if so.  Those of other settings are not kept."""
-        if self.args.settings:
+        """Keep the results for --lf, replay and report; why not, if so.
+
+        Those of other settings, or of a part of a campaign, are not kept.
+        """
+        if self.args.settings or getattr(self.args, "shard", None):
             return ""
         done = not (self.part or self.interrupted or self.project.problems)
         return memory.keep(self.project.root, self.results, self.sections if done else ())
@@ -254,10 +281,17 @@ def texts(project: Project) -> list[dict[str, Any]]:
     ]
 
 
-def work(args: Namespace, *sections: str, tables: bool = False, whole: bool = False) -> Session:
+def work(
+    args: Namespace,
+    *sections: str,
+    tables: bool = False,
+    whole: bool = False,
+    check: Callable[[Session], Here | None] = lambda session: None,
+) -> Session:
     """Do all that the arguments select; the session's `code` says how it ended.
 
     `tables`: show the runs of claims that are refuted as they must be.  `whole`: list the models' parameters too.
+    `check` refuses what cannot be done before anything is, and may say what works in this process.
     """
     if args.json:
         probe(Path(args.json))
@@ -267,6 +301,7 @@ def work(args: Namespace, *sections: str, tables: bool = False, whole: bool = Fa
         probe(Path(args.certify, "*.cert.zip"))
     session = start(args, sections, whole)
     session.tables = tables
+    session.here = check(session)
     if whole:
         session.results["parameters"] = parameters(session.project, session.chosen)
         session.results["figures"] = []

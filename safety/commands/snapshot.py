@@ -16,10 +16,11 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
+from safety.canonical import PACKAGE, digest, files, text_of
 from safety.commands.recall import usable
 from safety.commands.selection import Item
 from safety.commands.versions import versions
-from safety.prove.cache import ENGINES, PACKAGE, Cache, digest, files, text_of
+from safety.prove.cache import ENGINES, Cache
 from safety.report.schema import Entry
 from safety.report.standing import DISAGREE, INTERNAL, UNDECIDED, standing
 

@@ -5,8 +5,12 @@ Ports, registers and signals have their full names, as escaped identifiers (IEEE
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from safety.export.expressions import Expression, Names, Reading, Width, below
 from safety.export.transition import Problem, power_up, transition
+from safety.system import System
+from safety.terms.graph import Term
 
 CLOCK, FIRST = "clk", "tool.first"
 HEAD = """\
@@ -59,6 +63,43 @@ def verilog(problem: Problem, lemmas: bool = False) -> str:
         lines += [f"  always {when} begin", *(f"    {line}" for line in body), "  end"]
     head = HEAD.format(name=what.name, clock=clock.strip())
     return head + f"module \\claim (\n  {f',{chr(10)}  '.join(ports)}\n);\n" + "\n".join(lines) + "\nendmodule\n"
+
+
+def machine(system: System, outputs: Mapping[str, Term]) -> str:
+    """The system as a module for simulators: its inputs, `outputs` by the names of their ports, a clock.
+
+    Each edge of the clock, rising or falling, is one step; after it the outputs are those of the step.  One block
+    computes a step, so that a simulator has nothing to schedule.  Raises `TermError` for a system with reals.
+    """
+    reading, names = Reading(integers=False), Names(" \t\n")
+    clock = f"\\{names.new(CLOCK)} "
+    ports = {f"\\{names.new(name)} ": term for name, term in outputs.items()}
+    inputs = [reading.bind(v, names.new(name)) for name, v in system.inputs.items()]
+    held = {s: reading.bind(s.var, names.new(s.path)) for s in system.states}
+    following, seen = reading([s.next for s in system.states]), reading(ports.values())
+    nodes = below([*following, *seen])
+    local = {x.number: names.new(f"n{x.number}") for x in nodes}
+    lines = [f"  reg {_range(x.sort)}\\{x.attr} ;" for x in held.values()]
+    lines += [f"  reg {_range(x.sort)}{local[x.number]};" for x in nodes]
+    for s, x in held.items():
+        if (value := power_up(s)) is not None:
+            lines.append(f"  initial \\{x.attr} = {_constant(int(value), x.sort)};")
+    read = [f"\\{x.attr} " if x.op == "var" else _text(x, [local[a.number] for a in x.args]) for x in nodes]
+    steps = [f"{local[x.number]} = {text};" for x, text in zip(nodes, read, strict=True)]
+    steps += [f"{port} = {local[x.number]};" for port, x in zip(ports, seen, strict=True)]
+    steps += [f"\\{x.attr} = {local[after.number]};" for x, after in zip(held.values(), following, strict=True)]
+    declared = [f"input {clock}", *(f"input {_range(x.sort)}\\{x.attr} " for x in inputs)]
+    declared += [f"output reg {_range(x.sort)}{port}" for port, x in zip(ports, seen, strict=True)]
+    return "\n".join(
+        [
+            f"// {system.name}: an edge of {CLOCK}, rising or falling, is one step.",
+            f"module machine (\n  {f',{chr(10)}  '.join(declared)}\n);",
+            *lines,
+            f"  always @(edge {clock}) begin",
+            *(f"    {step}" for step in steps),
+            "  end\nendmodule\n",
+        ]
+    )
 
 
 def _range(sort: Width) -> str:

@@ -13,7 +13,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Protocol
 
 from safety.faults import Fault
-from safety.system import System
+from safety.system import ModelError, System, nearest
+from safety.terms.graph import TermError
 
 if TYPE_CHECKING:
     import numpy as np
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
 
     Numbers = npt.NDArray[np.int32]
 
+AUTO, NATIVE, LANES = ENGINES = ("auto", "native", "lanes")
 NEVER = 2**31 - 1  # a step or frame that does not come
 NONE = -1  # no atom
 
@@ -94,6 +96,10 @@ class Engine(Protocol):
     """Something that runs batches of one task."""
 
     @property
+    def name(self) -> str:
+        """What it is called: "native" or "lanes"."""
+
+    @property
     def golden(self) -> Outcome:
         """The fault-free run, as an outcome of one run.
 
@@ -102,3 +108,26 @@ class Engine(Protocol):
 
     def run(self, batch: Batch) -> Outcome:
         """Run a batch; the order of its columns is free, and kept."""
+
+
+def engine_for(task: Task, name: str = AUTO) -> tuple[Engine, str]:
+    """The engine of a name, and why it is not the native one where "auto" does not take that.
+
+    "auto" is the native engine, or the NumPy lanes where the model does not fit it or it is not there.  Raises
+    `TermError` when "native" is asked for and the model does not fit, `ImportError` when it is not there, `ModelError`
+    for an unknown name.
+    """
+    from safety.inject.lanes import LaneEngine
+
+    if name not in ENGINES:
+        raise ModelError(f"engine {name!r}; {nearest(name, ENGINES)}")
+    if name == LANES:
+        return LaneEngine(task), ""
+    try:
+        from safety.inject.native import NativeEngine
+
+        return NativeEngine(task), ""
+    except (ImportError, TermError) as reason:
+        if name == NATIVE:
+            raise
+        return LaneEngine(task), f"NumPy lanes, for the native engine does not take it: {reason}"

@@ -10,11 +10,11 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, cast
 
-from safety.faults import Fault, Faulted, instrument
+from safety.faults import INTERMITTENT, Fault, Faulted, instrument, now_name
 from safety.inject.masks import masked, without_points
 from safety.system import ANY, State, System, repeat, substitute
 from safety.terms import Bit, UInt, all_of, select
-from safety.terms.graph import Term, node, postorder, rewrite, uint, variable, variables
+from safety.terms.graph import BIT, Term, node, postorder, rewrite, uint, variable, variables
 from safety.terms.texts import compile_lanes
 from safety.terms.values import const
 
@@ -28,15 +28,17 @@ LaneFunction = Callable[..., tuple[Any, ...]]
 class Kernel:
     """A compiled frame.
 
-    `step(*states, *inputs, *prologue(*faults))` gives the next states; `faults` are the terms that hold masks and
-    presence, `counters` says which of the states counts which observed wire,
-    `constant` which of them are plain numbers after a step.
+    `step(*states, *inputs, *prologue(*faults))` gives the next states; `faults` are the terms that hold masks, and for
+    each fault built in whether it acts.  `counters` says which of the states counts the true frames of a wire, and
+    `waits` which pair counts the frames before its first true one, and says whether that came; `constant`: which of the
+    states are plain numbers after a step.
     """
 
     states: tuple[State, ...]
     inputs: tuple[Term, ...]
     faults: tuple[Term, ...]
     counters: Mapping[str, int]
+    waits: Mapping[str, tuple[int, int]]
     constant: tuple[int, ...]
     prologue: LaneFunction
     step: LaneFunction
@@ -44,42 +46,41 @@ class Kernel:
 
 
 def build_kernel(
-    system: System, observe: Sequence[str], points: Iterable[str], faults: Sequence[Fault] = (), steps: int = 1
+    system: System,
+    count: Sequence[str],
+    watch: Sequence[str],
+    points: Iterable[str],
+    faults: Sequence[Fault] = (),
+    steps: int = 1,
 ) -> Kernel:
     """Compile a system with masks at `points`, and `faults` built in one by one, `steps` model steps at a time.
 
-    `observe` names the wires to count, as they are at the last step of each frame.
+    `count` and `watch` name wires, looked at at the last step of each frame.
     """
-    faulted = instrument(system, faults, present=None)
+    faulted = instrument(system, [replace(fault, onset=INTERMITTENT, at=0, ticks=None) for fault in faults])
     carried = masked(faulted.system, points)
-    held = [term for pair in carried.variables.values() for term in pair]
-    present = [cast(Term, there) for there in faulted.present]
-    whole = folded(carried.system.mapped(without_points), steps)
-    whole, counters = _counting(whole, observe)
-    states = [s for s in live_states(whole.states, counters) if s.var not in _Terms(present)]
-    first, names, rest = hoisted([s.next for s in states], [*held, *present])
+    acting = {name: carried.system.inputs[name] for name in map(now_name, range(len(faults)))}
+    held = [*(term for pair in carried.variables.values() for term in pair), *acting.values()]
+    whole = replace(carried.system, inputs={n: t for n, t in carried.system.inputs.items() if n not in acting})
+    whole = folded(whole.mapped(without_points), steps)
+    whole, counters = _counting(whole, count)
+    whole, waits = _watching(whole, watch)
+    needed = [*counters.values(), *(var for pair in waits.values() for var in pair)]
+    states = live_states(whole.states, needed)
+    first, names, rest = hoisted([s.next for s in states], held)
     inputs = tuple(whole.inputs.values())
     positions = {s.var.uid: i for i, s in enumerate(states)}
     return Kernel(
         states=tuple(states),
         inputs=inputs,
-        faults=(*held, *present),
+        faults=tuple(held),
         counters={name: positions[var.uid] for name, var in counters.items()},
+        waits={name: (positions[wait.uid], positions[met.uid]) for name, (wait, met) in waits.items()},
         constant=tuple(i for i, t in enumerate(rest) if t.is_const),
-        prologue=compile_lanes([*held, *present], first),
+        prologue=compile_lanes(held, first),
         step=compile_lanes([*(s.var for s in states), *inputs, *names], rest),
         faulted=faulted,
     )
-
-
-class _Terms:
-    """A set of terms by identity: `==` between terms is a term, not an answer."""
-
-    def __init__(self, terms: Iterable[Term]) -> None:
-        self.uids = {t.uid for t in terms}
-
-    def __contains__(self, term: object) -> bool:
-        return isinstance(term, Term) and term.uid in self.uids
 
 
 def _counting(system: System, observe: Sequence[str]) -> tuple[System, dict[str, Term]]:
@@ -93,6 +94,19 @@ def _counting(system: System, observe: Sequence[str]) -> tuple[System, dict[str,
         counters[name] = counter
         states.append(State(counter, select(wire, (counter + 1).low(COUNTER.width), counter), 0))
     return replace(system, states=tuple(states)), counters
+
+
+def _watching(system: System, watch: Sequence[str]) -> tuple[System, dict[str, tuple[Term, Term]]]:
+    """For each watched wire a counter of the frames before the first at whose end it is true, and whether that came."""
+    waits: dict[str, tuple[Term, Term]] = {}
+    states = list(system.states)
+    for name in watch:
+        wait = cast(UInt, variable(f"frames before {name}", COUNTER))
+        met = cast(Bit, variable(f"{name} came", BIT))
+        now = met | cast(Bit, system.lookup(name))
+        states += [State(wait, select(now, wait, (wait + 1).low(COUNTER.width)), 0), State(met, now, False)]
+        waits[name] = wait, met
+    return replace(system, states=tuple(states)), waits
 
 
 def folded(system: System, steps: int) -> System:
@@ -119,10 +133,10 @@ def _returning(states: Sequence[State]) -> list[State]:
         fixed = back
 
 
-def live_states(states: Sequence[State], counters: Mapping[str, Term]) -> list[State]:
-    """The registers that some counter depends on, now or later."""
+def live_states(states: Sequence[State], needed: Iterable[Term]) -> list[State]:
+    """The registers that some of these depends on, now or later."""
     following = {s.var.uid: s for s in states}
-    todo = [c.uid for c in counters.values()]
+    todo = [var.uid for var in needed]
     found: set[int] = set()
     while todo:
         uid = todo.pop()

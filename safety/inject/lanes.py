@@ -1,198 +1,211 @@
-"""Batches of injections on the NumPy lanes: lane 0 is the fault-free run, each further lane one injection.
+"""The NumPy engine: runs side by side as lanes of arrays; lane 0 is the fault-free run, each further lane a column.
 
-A batch carries masks, and a few faults built in one by one (`MOST_BUILT_IN` of them) that no mask can carry; masks
-change at the steps at which faults begin and end, and stand still between.
+Lanes that run together carry masks, and a few faults built in one by one (`MOST_BUILT_IN` of them) that no mask can
+carry; masks change at the steps at which faults begin and end, and stand still between.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from fnmatch import fnmatchcase
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-from safety.faults import Fault, present_name, schedule
-from safety.inject.kernel import BROKEN, Kernel
-from safety.inject.masks import KEEP, TURN, Mask, masks, window
-from safety.inject.space import CampaignError, Injection, identify
-from safety.system import System
+from safety.faults import schedule, where
+from safety.inject.engine import NEVER, NONE, Batch, Outcome, Task
+from safety.inject.kernel import BROKEN, Kernel, build_kernel
+from safety.inject.masks import KEEP, TURN, Mask, masks
+from safety.inject.space import CampaignError
 from safety.terms.table import is_object
 from safety.terms.texts import lane_type
 from safety.trace import initial_state
 
 if TYPE_CHECKING:
+    import numpy as np
     import numpy.typing as npt
 
     Lanes = npt.NDArray[Any]
+    Columns = npt.NDArray[np.int64]
 
 MOST_LANES = 8192
 MOST_BUILT_IN = 24
 
-Row = Mapping[str, Any]
-Tick = Callable[[int], None]
-ByFault = Mapping[str, Mapping[str, Mask]]  # masks by point, by fault (`identify`)
+Slot = tuple[int, int]  # a fault that is built in: its row in the batch, its atom
 
 
 @dataclass(frozen=True)
-class Timing:
-    """What is run, in frames: `run_in`, then `measured` in blocks of `block`; a frame is `steps` model steps."""
+class Chunk:
+    """Columns of a batch that run side by side, and the faults built in for them."""
 
-    run_in: int
-    measured: int
-    block: int
-    steps: int
-
-    @property
-    def frames(self) -> int:
-        """Frames of a whole run."""
-        return self.run_in + self.measured
-
-    @property
-    def blocks(self) -> int:
-        """Blocks that the measured frames divide into."""
-        return self.measured // self.block
+    columns: Columns
+    slots: tuple[Slot, ...] = ()
 
 
-@dataclass(frozen=True)
-class Batch:
-    """Injections that run side by side: positions in the campaign, and the faults built in one by one."""
+class LaneEngine:
+    """The NumPy lanes as an engine.
 
-    positions: tuple[int, ...]
-    built_in: tuple[Fault, ...] = ()
-
-
-@dataclass(frozen=True)
-class Plan:
-    """The batches of a campaign, and the masks of each fault that has some."""
-
-    batches: tuple[Batch, ...]
-    masks: ByFault
-
-    @property
-    def points(self) -> list[str]:
-        """Points that carry a mask in some injection."""
-        return sorted({point for found in self.masks.values() for point in found})
-
-
-def plan(system: System, injections: Sequence[Injection], timing: Timing, *, most_lanes: int = MOST_LANES) -> Plan:
-    """Divide injections into batches.
-
-    Raises `CampaignError` for a fault that does not fit its point, begins after the end or not at a frame's start.
+    `tick` is told, after each frame, the share of the batch that is done.  Raises `CampaignError` for a kind that does
+    not fit its point, `ModelError` for a point that does not exist.
     """
-    found: dict[str, Mapping[str, Mask] | None] = {}
-    for fault in (f for injection in injections for f in injection.faults):
-        if identify(fault) not in found:
-            _check_onset(fault, timing)
-            found[identify(fault)] = masks(system, fault)
-    masks_of = {name: m for name, m in found.items() if m is not None}
-    return Plan(tuple(_batches(injections, masks_of, most_lanes)), masks_of)
 
+    name = "lanes"
 
-def _batches(injections: Sequence[Injection], masks_of: ByFault, most_lanes: int) -> Iterator[Batch]:
-    """Injections with faults to build in come first, the masked ones fill up their batches and follow in their own."""
-    built = {i: found for i, one in enumerate(injections) if (found := to_build_in(one, masks_of))}
-    plain = [i for i in range(len(injections)) if i not in built]
-    for positions, faults in _chunks(built, most_lanes):
-        room = most_lanes - len(positions)
-        yield Batch((*positions, *plain[:room]), faults)
-        plain = plain[room:]
-    yield from (Batch(tuple(plain[k : k + most_lanes])) for k in range(0, len(plain), most_lanes))
+    def __init__(self, task: Task, most_lanes: int = MOST_LANES) -> None:
+        self.task, self.most_lanes = task, most_lanes
+        self.tick: Callable[[float], None] = lambda share: None
+        self.masks = [masks(task.system, atom) for atom in task.atoms]
+        self._kernels: dict[tuple[Slot, ...], Kernel] = {}
+        self._golden: Outcome | None = None
 
+    @property
+    def golden(self) -> Outcome:
+        """The fault-free run; see `Engine`."""
+        if self._golden is None:
+            import numpy as np
 
-def to_build_in(injection: Injection, masks_of: ByFault) -> dict[int, Fault]:
-    """The faults of an injection that no mask can carry, by place: those without one, and what shares their points.
+            self.run(Batch(*(np.empty((1, 0), dtype=np.int32) for _ in range(3))))
+        assert self._golden is not None
+        return self._golden
 
-    Faults at one point act in the order of their places, which a mask behind a built-in fault could not keep.
-    """
-    placed = dict(zip(injection.places, injection.faults, strict=True))
-    found = {place: fault for place, fault in placed.items() if identify(fault) not in masks_of}
-    patterns = [pattern for fault in found.values() for pattern in fault.points]
-    return {
-        place: fault
-        for place, fault in placed.items()
-        if place in found
-        or any(fnmatchcase(point, pattern) for point in masks_of[identify(fault)] for pattern in patterns)
-    }
+    def run(self, batch: Batch) -> Outcome:
+        """Run a batch; see `Engine`.  Raises `CampaignError` when the fault-free run breaks an assumption."""
+        import numpy as np
 
+        task, runs = self.task, batch.runs
+        counts: dict[str, Lanes] = {n: np.zeros((task.timing.blocks, runs), dtype=np.int32) for n in task.count}
+        first: dict[str, Lanes] = {name: np.full(runs, NEVER, dtype=np.int32) for name in task.watch}
+        built = self._built_in(batch)
+        chunks = list(self._chunks(batch, built)) or [Chunk(np.empty(0, dtype=np.int64))]
+        for done, chunk in enumerate(chunks):
+            seen = self._run(batch, built, chunk, done / len(chunks), 1 / len(chunks))
+            for name, array in counts.items():
+                array[:, chunk.columns] = seen.counts[name][:, 1:]
+            for name, array in first.items():
+                array[chunk.columns] = seen.first[name][1:]
+        return Outcome(counts, first)
 
-def _chunks(
-    built: Mapping[int, dict[int, Fault]], most_lanes: int
-) -> Iterator[tuple[tuple[int, ...], tuple[Fault, ...]]]:
-    chosen: list[int] = []
-    faults: dict[int, Fault] = {}
-    for i, more in built.items():
-        if chosen and (len(faults | more) > MOST_BUILT_IN or len(chosen) >= most_lanes):
-            yield tuple(chosen), tuple(faults[place] for place in sorted(faults))
-            chosen, faults = [], {}
-        chosen.append(i)
-        faults |= more
-    if chosen:
-        yield tuple(chosen), tuple(faults[place] for place in sorted(faults))
+    # --- what runs side by side ----------------------------------------------------------------------------------
 
+    @cached_property
+    def _where(self) -> list[frozenset[str]]:
+        """The points or registers of each atom."""
+        return [frozenset(where(self.task.system, atom)) for atom in self.task.atoms]
 
-def _check_onset(fault: Fault, timing: Timing) -> None:
-    if timing.steps > 1 and fault.values:
-        raise CampaignError(
-            f"fault {fault.name!r} has values step by step, but steps_per_frame={timing.steps} holds them for a frame; "
-            "use steps_per_frame=1"
-        )
-    last = timing.frames * timing.steps
-    first, end = window(fault)
-    if not 0 <= first < last:
-        raise CampaignError(
-            f"fault {fault.name!r} begins at step {first}, outside the run (0 to {last - 1}); choose another `at`"
-        )
-    for step in (first, end):
-        if step is not None and step % timing.steps:
-            near = step - step % timing.steps
+    def _built_in(self, batch: Batch) -> Lanes:
+        """Which faults of each run no mask can carry: those without one, and what shares their points.
+
+        Faults at one point act in the order of their rows, which a mask behind a built-in fault could not keep.
+        """
+        import numpy as np
+
+        bare = np.array([found is None for found in self.masks] + [False])  # the last stands for NONE
+        built = bare[batch.atoms]
+        for column in np.flatnonzero(built.any(axis=0)):
+            atoms = batch.atoms[:, column]
+            taken = frozenset().union(*(self._where[atom] for atom in atoms[built[:, column]]))
+            built[:, column] = [atom != NONE and bool(self._where[atom] & taken) for atom in atoms]
+        return np.asarray(built)
+
+    def _chunks(self, batch: Batch, built: Lanes) -> Iterator[Chunk]:
+        """Runs with faults to build in come first; the others fill up their chunks and follow in their own."""
+        import numpy as np
+
+        special = built.any(axis=0)
+        plain = np.flatnonzero(~special)
+        for columns, slots in self._with_slots(batch, built, np.flatnonzero(special)):
+            room = self.most_lanes - len(columns)
+            yield Chunk(np.concatenate([columns, plain[:room]]), slots)
+            plain = plain[room:]
+        for k in range(0, len(plain), self.most_lanes):
+            yield Chunk(plain[k : k + self.most_lanes])
+
+    def _with_slots(self, batch: Batch, built: Lanes, columns: Columns) -> Iterator[tuple[Columns, tuple[Slot, ...]]]:
+        import numpy as np
+
+        chosen: list[int] = []
+        slots: set[Slot] = set()
+        for column in columns.tolist():
+            more = {(row, int(batch.atoms[row, column])) for row in np.flatnonzero(built[:, column]).tolist()}
+            if chosen and (len(slots | more) > MOST_BUILT_IN or len(chosen) >= self.most_lanes):
+                yield np.array(chosen), tuple(sorted(slots))
+                chosen, slots = [], set()
+            chosen.append(column)
+            slots |= more
+        if chosen:
+            yield np.array(chosen), tuple(sorted(slots))
+
+    def _kernel(self, slots: tuple[Slot, ...]) -> Kernel:
+        """The kernel with these faults built in, in the order of their rows; the one with masks only is kept."""
+        if slots in self._kernels:
+            return self._kernels[slots]
+        task = self.task
+        points = sorted({point for found in self.masks for point in found or ()})
+        faults = [task.atoms[atom] for _, atom in slots]
+        kernel = build_kernel(task.system, task.count, task.watch, points, faults, task.timing.steps)
+        if task.timing.steps > 1 and kernel.faulted.draws:
             raise CampaignError(
-                f"fault {fault.name!r} begins or ends at step {step}, inside a frame of {timing.steps} steps; "
-                f"choose {near} or {near + timing.steps}, or a campaign with steps_per_frame=1"
+                f"{next(iter(kernel.faulted.draws))} draws a value at each step, but a frame holds it for "
+                f"{task.timing.steps} steps; use steps_per_frame=1"
             )
+        if not slots:
+            self._kernels[slots] = kernel
+        return kernel
+
+    # --- a run of all lanes --------------------------------------------------------------------------------------
+
+    def _run(self, batch: Batch, built: Lanes, chunk: Chunk, before: float, share: float) -> Outcome:
+        """Run a chunk; in the outcome lane 0 is the fault-free run, which is kept."""
+        import numpy as np
+
+        kernel, timing, lanes = self._kernel(chunk.slots), self.task.timing, 1 + len(chunk.columns)
+        faults = _FaultLanes(kernel, self.masks, batch, built, chunk)
+        choose = schedule(kernel.faulted)
+        changes = _changes(kernel)
+        state = _power_up(kernel, self.task.start, lanes)
+        counts = {name: np.zeros((timing.blocks, lanes), dtype=np.int64) for name in self.task.count}
+        fixed: tuple[Any, ...] = ()
+        free: dict[str, Any] = {}
+        for frame in range(timing.frames):
+            step = frame * timing.steps
+            if step == 0 or step in faults.events:
+                fixed = kernel.prologue(*faults.at(step))
+            if step < changes:
+                free = choose(step)
+            inputs = _input_lanes(kernel, {**self.task.inputs(frame), **free}, lanes)
+            if frame == timing.run_in:
+                for wait, came in kernel.waits.values():
+                    state[wait], state[came] = np.zeros(lanes, dtype=np.int64), np.zeros(lanes, dtype=np.bool_)
+            state = list(kernel.step(*state, *inputs, *fixed))
+            for position in kernel.constant:
+                state[position] = np.asarray(state[position])
+            done = frame + 1 - timing.run_in
+            if done >= 0 and done % timing.block == 0:
+                for name, array in counts.items():
+                    if done:
+                        array[done // timing.block - 1] = state[kernel.counters[name]]
+                    state[kernel.counters[name]] = np.zeros(lanes, dtype=np.int64)
+            self.tick(before + share * (frame + 1) / timing.frames)
+        if np.broadcast_to(state[kernel.counters[BROKEN]], (lanes,))[0]:
+            raise CampaignError("the fault-free run breaks an assumption of the model: choose a stimulus that keeps it")
+        first = {
+            name: np.where(np.broadcast_to(state[came], lanes), state[wait], NEVER)
+            for name, (wait, came) in kernel.waits.items()
+        }
+        seen = Outcome(
+            {name: array.astype(np.int32) for name, array in counts.items()},
+            {name: array.astype(np.int32) for name, array in first.items()},
+        )
+        if self._golden is None:
+            alone = [{name: array[..., :1] for name, array in found.items()} for found in (seen.counts, seen.first)]
+            self._golden = Outcome(*alone)
+        return seen
 
 
-def run_batch(
-    kernel: Kernel,
-    batch: Batch,
-    injections: Sequence[Injection],
-    found: Plan,
-    rows: Callable[[int], Row],
-    timing: Timing,
-    start: Mapping[str, Any],
-    tick: Tick,
-) -> dict[str, Lanes]:
-    """Counts of a batch: for each observed wire an array of shape (blocks, 1 + injections); lane 0 is fault-free.
-
-    Raises `CampaignError` when the fault-free run breaks an assumption of the model.
-    """
-    import numpy as np
-
-    members = [injections[i] for i in batch.positions]
-    lanes = 1 + len(members)
-    state = _power_up(kernel, start, lanes)
-    choose, present = schedule(kernel.faulted), _FaultLanes(kernel, members, found)
-    counts = {name: np.zeros((timing.blocks, lanes), dtype=np.int64) for name in kernel.counters if name != BROKEN}
-    fixed: tuple[Any, ...] = ()
-    free: dict[str, Any] = {}
-    for frame in range(timing.frames):
-        step = frame * timing.steps
-        if step in present.events:
-            fixed = kernel.prologue(*present.at(step))
-            free = choose(step)
-        inputs = _input_lanes(kernel, {**rows(frame), **free}, lanes)
-        state = list(kernel.step(*state, *inputs, *fixed))
-        for position in kernel.constant:
-            state[position] = np.asarray(state[position])
-        done = frame + 1 - timing.run_in
-        if done >= 0 and done % timing.block == 0:
-            for name in counts:
-                if done:
-                    counts[name][done // timing.block - 1] = state[kernel.counters[name]]
-                state[kernel.counters[name]] = np.zeros(lanes, dtype=np.int64)
-        tick(frame + 1)
-    if np.broadcast_to(state[kernel.counters[BROKEN]], (lanes,))[0]:
-        raise CampaignError("the fault-free run breaks an assumption of the model: choose a stimulus that keeps it")
-    return counts
+def _changes(kernel: Kernel) -> int:
+    """Up to which step the free choices of the faults that are built in change."""
+    if kernel.faulted.draws:
+        return NEVER
+    return max((len(v) for fault in kernel.faulted.faults for v in (fault.values or {}).values()), default=1)
 
 
 def _power_up(kernel: Kernel, start: Mapping[str, Any], lanes: int) -> list[Any]:
@@ -205,54 +218,72 @@ def _power_up(kernel: Kernel, start: Mapping[str, Any], lanes: int) -> list[Any]
 
 
 class _FaultLanes:
-    """Masks and presences, an array for each of `kernel.faults`; at a step only the lanes that change are touched."""
+    """Masks, and which built-in faults act, an array for each of `kernel.faults`; `events`: which lanes change when."""
 
-    def __init__(self, kernel: Kernel, members: Sequence[Injection], found: Plan) -> None:
+    def __init__(
+        self, kernel: Kernel, found: Sequence[Mapping[str, Mask] | None], batch: Batch, built: Lanes, chunk: Chunk
+    ) -> None:
         import numpy as np
 
-        self.members, self.found, self.names = members, found, [str(t.attr) for t in kernel.faults]
-        self.built_in = [to_build_in(injection, found.masks) for injection in members]
-        self.present = {identify(f): present_name(i) for i, f in enumerate(kernel.faulted.faults)}
-        self.arrays: dict[str, Lanes] = {}
-        self.passing: dict[str, Any] = {}
-        for term, name in zip(kernel.faults, self.names, strict=True):
-            self.passing[name] = term.sort.bounds[1] if name.endswith(KEEP) else 0
-            self.arrays[name] = np.full(1 + len(members), self.passing[name], dtype=lane_type(term))
-        self.events: dict[int, list[int]] = {0: list(range(1, 1 + len(members)))}
-        for lane, injection in enumerate(members, start=1):
-            for step in {step for fault in injection.faults for step in _steps(fault)} - {0}:
-                self.events.setdefault(step, []).append(lane)
+        self.masks, self.slots = found, {slot: i for i, slot in enumerate(chunk.slots)}
+        self.names = [str(term.attr) for term in kernel.faults]
+        self.atoms, self.first, self.end = (a[:, chunk.columns] for a in (batch.atoms, batch.first, batch.end))
+        self.built = built[:, chunk.columns]
+        sorts = {name: term.sort for term, name in zip(kernel.faults, self.names, strict=True)}
+        self.passing: dict[str, Any] = {n: s.bounds[1] if n.endswith(KEEP) else 0 for n, s in sorts.items()}
+        self.arrays = {
+            name: np.full(1 + len(chunk.columns), self.passing[name], dtype=lane_type(term))
+            for term, name in zip(kernel.faults, self.names, strict=True)
+        }
+        self.acting = self.names[len(self.names) - len(chunk.slots) :]
+        self.events = self._events()
+
+    def _events(self) -> dict[int, Columns]:
+        """The columns of which some fault begins or ends, by step."""
+        import numpy as np
+
+        rows = [(np.where(self.atoms == NONE, NEVER, a)) for a in (self.first, self.end)]
+        steps = np.concatenate([row.ravel() for row in rows])
+        columns = np.tile(np.arange(self.atoms.shape[1]), 2 * self.atoms.shape[0])
+        order = np.argsort(steps, kind="stable")
+        found, starts = np.unique(steps[order], return_index=True)
+        parts = np.split(columns[order], starts[1:])
+        return {int(step): np.unique(part) for step, part in zip(found, parts, strict=True) if step != NEVER}
 
     def at(self, step: int) -> list[Lanes]:
         """The arrays from this step on; call it at each step of `events`, in order."""
-        for lane in self.events[step]:
-            whole: dict[str, Mask] = {}
-            injection = self.members[lane - 1]
-            for place, fault in zip(injection.places, injection.faults, strict=True):
-                if place in self.built_in[lane - 1]:
-                    self.arrays[self.present[identify(fault)]][lane] = True
-                    continue
-                for point, mask in self.found.masks[identify(fault)].items():
-                    before = whole.get(point, Mask(self.passing[point + KEEP], 0))
-                    whole[point] = mask.after(before) if _acts(fault, step) else before
-            for point, mask in whole.items():
-                self.arrays[point + KEEP][lane], self.arrays[point + TURN][lane] = mask.keep, mask.turn
+        columns = self.events.get(step)
+        if columns is not None:
+            acts = (self.first[:, columns] <= step) & (step < self.end[:, columns])
+            fresh: dict[str, Lanes] = {}  # copies, for a register may hold what it was given a step ago
+            for lanes, found in self._masked(columns):
+                for name in (point + which for point in found for which in (KEEP, TURN)):
+                    fresh.setdefault(name, self.arrays[name].copy())[lanes] = self.passing[name]
+            for lanes, found in self._masked(columns, acts):
+                for point, mask in found.items():
+                    keep, turn = fresh[point + KEEP], fresh[point + TURN]
+                    keep[lanes] = keep[lanes] & mask.keep
+                    turn[lanes] = turn[lanes] & mask.keep ^ mask.turn
+            for (row, atom), i in self.slots.items():
+                here = self.built[row, columns] & (self.atoms[row, columns] == atom)
+                acting = self.acting[i]
+                fresh.setdefault(acting, self.arrays[acting].copy())[1 + columns[here]] = acts[row, here]
+            self.arrays |= fresh
         return [self.arrays[name] for name in self.names]
 
+    def _masked(self, columns: Columns, acts: Lanes | None = None) -> Iterator[tuple[Columns, Mapping[str, Mask]]]:
+        """For each row and atom its lanes among the columns, those that act only where `acts` is given."""
+        import numpy as np
 
-def _steps(fault: Fault) -> set[int]:
-    """Steps at which a fault begins, ends or takes another value."""
-    first, end = window(fault)
-    changes = max((len(values) for values in (fault.values or {}).values()), default=0)
-    return {first, *([] if end is None else [end]), *range(changes)}
+        for row in range(self.atoms.shape[0]):
+            atoms = self.atoms[row, columns]
+            by_mask = ~self.built[row, columns] & (atoms != NONE)
+            chosen = by_mask if acts is None else by_mask & acts[row]
+            for atom in np.unique(atoms[chosen]).tolist():
+                yield 1 + columns[chosen & (atoms == atom)], self.masks[atom] or {}
 
 
-def _acts(fault: Fault, step: int) -> bool:
-    first, end = window(fault)
-    return first <= step and (end is None or step < end)
-
-
-def _input_lanes(kernel: Kernel, row: Row, lanes: int) -> list[Any]:
+def _input_lanes(kernel: Kernel, row: Mapping[str, Any], lanes: int) -> list[Any]:
     """Inputs of a frame: one number for all lanes, or an array where lanes hold objects."""
     import numpy as np
 

@@ -10,8 +10,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-from safety.faults import ANY_TIME, FROM_START, Fault, Kind, Seat
-from safety.inject.space import CampaignError, matching
+from safety.faults import Fault, Kind, Seat, placed
+from safety.kinds import POINT
 from safety.system import System, substitute
 from safety.terms.graph import Sort, Term, node, postorder, rewrite, variable
 from safety.terms.values import bit, build, const
@@ -62,30 +62,17 @@ def _number(term: Term) -> int:
     return int(term.attr)
 
 
-def window(fault: Fault) -> tuple[int, int | None]:
-    """Steps at which a fault acts in a run, from the first to before the second (None: to the end).
-
-    It restates the schedule of `safety.faults` for faults without memory.
-    """
-    if fault.onset == FROM_START:
-        return 0, None
-    return fault.at, None if fault.onset == ANY_TIME or fault.ticks is None else fault.at + fault.ticks
-
-
 def masks(system: System, fault: Fault) -> dict[str, Mask] | None:
     """The masks of a fault at its points, or None when one of them needs more than a mask.
 
-    Raises `CampaignError` for a kind that does not fit a point, `ModelError` for a point that does not exist.
+    Raises `ModelError` for a kind that does not fit a point, and for a point that does not exist.
     """
     found: dict[str, Mask] = {}
-    for point in matching(system, fault.points):
-        sort = system.points[point].sort
-        if sort.kind not in fault.kind.sorts:
-            raise CampaignError(
-                f"fault {fault.name!r}: {fault.kind} does not apply to {point}, a {sort}; "
-                f"it is for {', '.join(fault.kind.sorts)}"
-            )
-        mask = mask_of(fault.kind, sort)
+    for place in placed(system, fault):
+        if place.kind.place != POINT:
+            return None
+        (point,) = place.names
+        mask = mask_of(place.kind, system.points[point].sort)
         if mask is None:
             return None
         found[point] = mask

@@ -1,142 +1,139 @@
-"""Running a campaign on the lanes, and one of its injections again on the Python reading."""
+"""Running a campaign in this process, and one of its injections again on the Python reading."""
 
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
 
 from safety.faults import instrument, schedule
-from safety.inject.campaign import Campaign, Progress, observed
-from safety.inject.classes import Counts, judge
-from safety.inject.kernel import Kernel, build_kernel
-from safety.inject.lanes import Batch, Plan, plan, run_batch
-from safety.inject.masks import changes_nothing
+from safety.inject.campaign import Campaign, Progress
+from safety.inject.classes import CELLS
+from safety.inject.engine import NEVER, Outcome
+from safety.inject.judging import NO_LATENCY, UNDETECTED, UNMADE, Judged, judge
+from safety.inject.monitors import observed
 from safety.inject.result import Result
-from safety.inject.space import CampaignError, Injection, identify
+from safety.inject.space import Injection, window
 from safety.trace import Trace, run
 
-if TYPE_CHECKING:
-    import numpy.typing as npt
-
-    ByWire = Mapping[str, npt.NDArray[Any]]
-
 PROGRESS_S = 0.5
+SMALLEST, LARGEST = 4096, 2**20  # injections of a range
 HEALTHY = Injection("fault-free", (), "")
 
 
 def inject(campaign: Campaign, progress: Progress | None) -> Result:
-    """Run all batches of a campaign; see `Campaign.inject`."""
+    """Run a campaign range by range; see `Campaign.inject`."""
     began = time.monotonic()
-    todo = plan(campaign.system, campaign.space.injections, campaign.timing)
-    kernels = _Kernels(campaign, todo)
-    cells: dict[int, str] = {}
-    interrupted = False
+    total = len(campaign.space)
+    found = Judged.alike(total, UNMADE)
+    done, size, interrupted = 0, SMALLEST, False
+    meter = _meter(progress, began)
     try:
-        for batch in todo.batches:
-            tick = _meter(progress, began, len(cells), len(batch.positions), campaign)
-            counts = _counts(campaign, kernels.of(batch), batch, todo, tick)
-            cells |= dict(zip(batch.positions, _cells(campaign, counts), strict=True))
+        while done < total:
+            start, end = time.monotonic(), min(done + size, total)
+            campaign.tick = _part(meter, done / total, end / total)
+            found.put(slice(done, end), campaign.judged(done, end))
+            done, size = end, _next_size(size, time.monotonic() - start)
+            meter(done / total)
     except KeyboardInterrupt:
         interrupted = True
-    idle = {name for name, found in todo.masks.items() if changes_nothing(campaign.system, found)}
-    effective = {i for i in cells if not all(identify(f) in idle for f in campaign.space.injections[i].faults)}
-    return Result(campaign, cells, effective, time.monotonic() - began, interrupted)
+    return Result.of(campaign, found, seconds=time.monotonic() - began, interrupted=interrupted)
 
 
-class _Kernels:
-    """The kernel of a batch: one for all that carry masks only, a new one for each other."""
-
-    def __init__(self, campaign: Campaign, todo: Plan) -> None:
-        self.campaign, self.points = campaign, todo.points
-        self.masked: Kernel | None = None
-
-    def of(self, batch: Batch) -> Kernel:
-        if batch.built_in:
-            return self._build(batch)
-        if self.masked is None:
-            self.masked = self._build(batch)
-        return self.masked
-
-    def _build(self, batch: Batch) -> Kernel:
-        wires = [observed(name) for name in self.campaign.observe]
-        return build_kernel(self.campaign.system, wires, self.points, batch.built_in, self.campaign.steps_per_frame)
+def _part(meter: Callable[[float], None], low: float, high: float) -> Callable[[float], None]:
+    """What is told the share of a part that is done."""
+    return lambda share: meter(low + share * (high - low))
 
 
-def _counts(campaign: Campaign, kernel: Kernel, batch: Batch, todo: Plan, tick: Callable[[int], None]) -> ByWire:
-    members = campaign.space.injections
-    counts = run_batch(kernel, batch, members, todo, campaign.inputs, campaign.timing, campaign.start, tick)
-    return {name: counts[observed(name)] for name in campaign.observe}
+def _next_size(size: int, seconds: float) -> int:
+    """A range that takes about as long as it should be until the next report of progress."""
+    return min(LARGEST, size * 4 if seconds < PROGRESS_S / 4 else size * 2 if seconds < PROGRESS_S / 2 else size)
 
 
-def _cells(campaign: Campaign, counts: ByWire) -> list[str]:
-    """`direction/detected` of each injection; the fault-free run, lane 0, is judged too and has to come out clean."""
-    golden = {name: lanes[:, :1] for name, lanes in counts.items()}
-    cells = judge(Counts(counts, golden), campaign.wrong_side, campaign.safe_side, campaign.detected)
-    if cells[0] != "neutral/no":
-        raise CampaignError(
-            f"{campaign.id}: the fault-free run is judged {cells[0]}; correct the judges or the stimulus"
-        )
-    return cells[1:]
-
-
-def _meter(progress: Progress | None, began: float, done: int, now: int, campaign: Campaign) -> Callable[[int], None]:
-    """What a batch calls after each frame; it passes the share done on, about twice a second."""
+def _meter(progress: Progress | None, began: float) -> Callable[[float], None]:
+    """What is told the share done; it passes that on, about twice a second, and at the end."""
     if progress is None:
-        return lambda frame: None
-    last = time.monotonic()
-    total, frames = len(campaign.space.injections), campaign.timing.frames
+        return lambda share: None
+    last, most = time.monotonic(), 0.0
 
-    def tick(frame: int) -> None:
-        nonlocal last
-        if (moment := time.monotonic()) - last >= PROGRESS_S or (frame == frames and done + now == total):
-            last = moment
-            progress((done + now * frame / frames) / total, moment - began)
+    def meter(share: float) -> None:
+        nonlocal last, most
+        now, most = time.monotonic(), max(share, most)
+        if now - last >= PROGRESS_S or share == 1:
+            last = now
+            progress(most, now - began)
 
-    return tick
+    return meter
 
 
 @dataclass(frozen=True)
 class Replay:
-    """One injection run again: its trace (a step is a model step) and the `direction/detected` cell it comes to."""
+    """One injection run again: its trace (a step is a model step) and the `direction/detected` cell it comes to.
+
+    `detected_by` and `latency` (frames from the onset) say what found it, where the campaign names detectors.
+    """
 
     injection: Injection
     trace: Trace
     cell: str
+    detected_by: str | None = None
+    latency: int | None = None
 
 
-def replay(campaign: Campaign, key: str | int | None, keep: Sequence[str] = ()) -> Replay:
+def replay(campaign: Campaign, key: str | int | Injection | None, keep: Sequence[str] = ()) -> Replay:
     """Run one injection on the Python reading; see `Campaign.replay`."""
-    injection = HEALTHY if key is None else campaign.space.injections[campaign.space.find(key)]
-    golden = campaign.healthy_counts
-    trace = _run(campaign, injection, keep)
-    found = Counts(golden if key is None else _counted(campaign, trace), golden)
-    return Replay(injection, trace, judge(found, campaign.wrong_side, campaign.safe_side, campaign.detected)[0])
-
-
-def healthy_counts(campaign: Campaign) -> ByWire:
-    """What is counted in the fault-free run on the Python reading."""
-    return _counted(campaign, _run(campaign, HEALTHY, ()))
-
-
-def _run(campaign: Campaign, injection: Injection, keep: Sequence[str]) -> Trace:
-    faulted = instrument(campaign.system, injection.faults)
-    choose, timing = schedule(faulted), campaign.timing
-    return run(
-        replace(faulted.system, assumptions={}),  # the fault-free run of the campaign kept them
-        lambda step: {**campaign.inputs(step // timing.steps), **choose(step)},
-        timing.frames * timing.steps,
-        start=campaign.start,
-        keep=list(dict.fromkeys([*(observed(name) for name in campaign.observe), *keep])),
+    if key is None or isinstance(key, Injection):
+        injection = key or HEALTHY
+    else:
+        injection = campaign.space.injection(campaign.space.find(key))
+    trace = run_again(campaign, injection, keep)
+    seen = outcome(campaign, trace)
+    golden = seen if key is None else _golden(campaign, injection.scenario)
+    onset = min((window(fault)[0] for fault in injection.faults), default=NEVER) // campaign.steps_per_frame
+    found = judge(campaign, seen, golden, onset)
+    by, latency = int(found.detector[0]), int(found.latency[0])
+    return Replay(
+        injection,
+        trace,
+        CELLS[found.cells[0]],
+        None if by == UNDETECTED else list(campaign.detectors)[by],
+        None if latency == NO_LATENCY else latency,
     )
 
 
-def _counted(campaign: Campaign, trace: Trace) -> ByWire:
-    """What the lanes count, from a trace: true wires at the ends of frames, by block."""
+def _golden(campaign: Campaign, scenario: int) -> Outcome:
+    return campaign.healthy if scenario == 0 else healthy(campaign, scenario)
+
+
+def healthy(campaign: Campaign, scenario: int = 0) -> Outcome:
+    """What is seen of the fault-free run on the Python reading."""
+    return outcome(campaign, run_again(campaign, replace(HEALTHY, scenario=scenario)))
+
+
+def run_again(campaign: Campaign, injection: Injection, keep: Sequence[str] = ()) -> Trace:
+    """An injection on the Python reading: what the campaign looks at, and the signals in `keep`."""
+    variant = campaign.variant(injection.scenario)
+    faulted = instrument(variant.system, injection.faults)
+    choose, timing = schedule(faulted), campaign.timing
+    return run(
+        replace(faulted.system, assumptions={}),  # the fault-free run of the campaign kept them
+        lambda step: {**variant.inputs(step // timing.steps), **choose(step)},
+        timing.frames * timing.steps,
+        start=variant.start,
+        keep=list(dict.fromkeys([*(observed(name) for name in campaign.looked_at), *keep])),
+    )
+
+
+def outcome(campaign: Campaign, trace: Trace) -> Outcome:
+    """What an engine sees, from a trace: true wires at the ends of measured frames."""
     import numpy as np
 
     t = campaign.timing
-    starts = range(t.run_in, t.frames, t.block)
-    ends = {name: trace[observed(name)][t.steps - 1 :: t.steps] for name in campaign.observe}
-    return {name: np.array([[sum(v[k : k + t.block])] for k in starts]) for name, v in ends.items()}
+    ends = {name: trace[observed(name)][t.steps - 1 :: t.steps][t.run_in :] for name in campaign.looked_at}
+    starts = range(0, t.measured, t.block)
+    counts = {n: np.array([[sum(ends[n][k : k + t.block])] for k in starts], np.int32) for n in campaign.observe}
+    first = {n: np.array([ends[n].index(True) if True in ends[n] else NEVER], np.int32) for n in campaign.watched}
+    return Outcome(
+        {observed(name): array for name, array in counts.items()},
+        {observed(name): array for name, array in first.items()},
+    )

@@ -1,24 +1,29 @@
-"""The faults that a campaign injects: groups of faults, all of them or a stated sample, singly or in pairs.
+"""The injections of a campaign: every fault, pair or triple of its groups at every onset, by number, made when asked.
 
     Group("stage", stuck_bits("ring"), part="ring register", mode="stage stuck", rate_per_h="6.4e-8", source="[A] ...")
 
-An injection is one run with one fault (or one pair) present.  Its id is made of the names of its faults, so it does
-not change when other faults are added.
+An injection is one run with one fault, or so many as `order` says, present.  Its id is made of the names of its faults
+and their onset, so it does not change when other faults are added; its number says where it stands in the space.
 """
 
 from __future__ import annotations
 
-import itertools
-import random
+import re
 from collections import Counter
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, replace
 from fractions import Fraction
-from math import comb
-from typing import Any
+from functools import cached_property
+from itertools import pairwise
+from typing import TYPE_CHECKING, Any
 
-from safety.faults import ANY_TIME, FROM_START, TRANSIENT, Fault, Kind, byzantine, every, expand, flip, stuck
+from safety.faults import ANY_TIME, FROM_START, TRANSIENT, Fault
+from safety.inject.engine import NEVER, Batch, Timing
+from safety.inject.ranks import Combinations
 from safety.system import ModelError, System, nearest
+
+if TYPE_CHECKING:
+    from safety.inject.ranks import Positions
 
 Faults = Callable[[System], list[Fault]]
 
@@ -64,134 +69,233 @@ class Group:
 
 @dataclass(frozen=True)
 class Injection:
-    """One run to make: its id, the faults present, the group it counts in, and their places among all single faults."""
+    """One run to make: its id, the faults present with their schedules, its group, and in which scenario."""
 
     id: str
     faults: tuple[Fault, ...]
     group: str
-    places: tuple[int, ...] = ()
+    places: tuple[int, ...] = ()  # of the faults among all single faults
+    scenario: int = 0
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Space:
-    """The injections of a campaign, with how many there are in all and how these were chosen."""
+    """All injections of a campaign, or those drawn from them; number i stands for one without there being an object.
 
-    injections: tuple[Injection, ...]
+    They are all combinations of `order` of the `singles`, each at every one of the `onsets` (model steps, for `length`
+    steps or for ever; without `onsets` each fault has its own schedule), in each of the `scenarios`, in this order.
+    `chosen`: the positions that were drawn, ascending, or None for all.
+    """
+
     groups: tuple[Group, ...]
-    population: int
+    singles: tuple[Fault, ...]
+    of_group: tuple[int, ...]  # by single fault
+    order: int
+    onsets: range | None
+    length: int | None
+    scenarios: int
+    chosen: Positions | None
     statement: str
-    sizes: Mapping[str, int]  # single faults of each group, drawn or not
+    by_group: bool = False  # whether so many were drawn of each group
+
+    @cached_property
+    def combinations(self) -> Combinations:
+        """The faults that are present together, by number."""
+        return Combinations(len(self.singles), self.order)
+
+    @property
+    def times(self) -> int:
+        """At how many onsets each combination is injected."""
+        return 1 if self.onsets is None else len(self.onsets)
+
+    @property
+    def in_a_scenario(self) -> int:
+        """Injections of one scenario, drawn or not."""
+        return len(self.combinations) * self.times
+
+    @property
+    def population(self) -> int:
+        """All injections, drawn or not."""
+        return self.in_a_scenario * self.scenarios
+
+    def __len__(self) -> int:
+        return self.population if self.chosen is None else len(self.chosen)
 
     @property
     def exhaustive(self) -> bool:
         """Whether every injection of the population is here."""
-        return len(self.injections) == self.population
+        return len(self) == self.population
+
+    @cached_property
+    def sizes(self) -> Mapping[str, int]:
+        """Injections of each group of single faults, drawn or not."""
+        each = Counter(self.groups[g].name for g in self.of_group)
+        return {name: number * self.times * self.scenarios for name, number in each.items()}
+
+    # --- by number, many at a time -------------------------------------------------------------------------------
+
+    def positions(self, low: int, high: int) -> Positions:
+        """Where the injections numbered `low` to `high` (not included) stand in the population."""
+        import numpy as np
+
+        return np.arange(low, high, dtype=np.int64) if self.chosen is None else self.chosen[low:high]
+
+    def number(self, positions: Positions) -> Positions:
+        """The number of the injections at these positions, -1 for one that was not drawn."""
+        import numpy as np
+
+        if self.chosen is None:
+            return positions
+        found = np.searchsorted(self.chosen, positions)
+        there = self.chosen[np.minimum(found, len(self.chosen) - 1)] == positions
+        return np.where(there, found, -1)
+
+    def members(self, positions: Positions) -> Positions:
+        """The single faults at these positions, shape (order, positions)."""
+        return self.combinations.at(positions % self.in_a_scenario // self.times)
+
+    def when(self, positions: Positions, members: Positions) -> tuple[Positions, Positions]:
+        """First step, and the one before which it ends, of each of the faults: two arrays, shape (order, positions)."""
+        import numpy as np
+
+        if self.onsets is None:
+            first, end = np.array([window(fault) for fault in self.singles], dtype=np.int64).T
+            return first[members], end[members]
+        steps = np.asarray(self.onsets, dtype=np.int64)[positions % self.times]
+        first = np.broadcast_to(steps, members.shape)
+        return first, np.full_like(members, NEVER) if self.length is None else first + self.length
+
+    def batch(self, low: int, high: int) -> Batch:
+        """The injections numbered `low` to `high` (not included) as columns; atoms are the single faults."""
+        import numpy as np
+
+        positions = self.positions(low, high)
+        members = self.members(positions)
+        return Batch(*(array.astype(np.int32) for array in (members, *self.when(positions, members))))
+
+    @property
+    def group_keys(self) -> int:
+        """How many numbers stand for the groups of an injection; see `group_name`."""
+        return len(self.groups) ** self.order
+
+    def keys(self, low: int, high: int) -> Positions:
+        """For each injection a number that stands for its scenario and groups: scenario * `group_keys` + groups."""
+        import numpy as np
+
+        positions = self.positions(low, high)
+        keys = positions // self.in_a_scenario
+        of_group = np.array(self.of_group, dtype=np.int64)
+        for row in self.members(positions):
+            keys = keys * len(self.groups) + of_group[row]
+        return keys
+
+    def group_name(self, key: int) -> str:
+        """The groups of an injection: the name of one, or `one & other`."""
+        names = []
+        for _ in range(self.order):
+            key, group = divmod(key, len(self.groups))
+            names.append(self.groups[group].name)
+        return " & ".join(dict.fromkeys(reversed(names)))
+
+    # --- one at a time -------------------------------------------------------------------------------------------
+
+    def injection(self, number: int) -> Injection:
+        """The injection of a number.  Raises `CampaignError` when there is none."""
+        if not 0 <= number < len(self):
+            raise CampaignError(f"injection {number}: they are numbered 0 to {len(self) - 1}")
+        positions = self.positions(number, number + 1)
+        places = tuple(int(place) for place in self.members(positions)[:, 0])
+        faults = [self.singles[place] for place in places]
+        if self.onsets is not None:
+            faults = [scheduled(fault, self.onsets[int(positions[0]) % self.times], self.length) for fault in faults]
+        scenario = int(positions[0]) // self.in_a_scenario
+        group = " & ".join(dict.fromkeys(self.groups[self.of_group[place]].name for place in places))
+        name = " & ".join(identify(fault) for fault in faults)
+        return Injection(self._in_scenario(name, scenario), tuple(faults), group, places, scenario)
+
+    def _in_scenario(self, name: str, scenario: int) -> str:
+        return f"{name} in scenario {scenario}" if self.scenarios > 1 else name
+
+    @property
+    def injections(self) -> Iterator[Injection]:
+        """All of them, one after the other."""
+        return (self.injection(number) for number in range(len(self)))
+
+    @cached_property
+    def _place(self) -> dict[str, int]:
+        named = (fault.name if self.onsets is not None else identify(fault) for fault in self.singles)
+        return {name: place for place, name in enumerate(named)}
 
     def find(self, key: str | int) -> int:
-        """Position of an injection, by id or by position.  Raises `CampaignError` with the nearest ids."""
+        """Number of an injection, by id or by number.  Raises `CampaignError` with the nearest names."""
+        import numpy as np
+
         if isinstance(key, int):
-            if not 0 <= key < len(self.injections):
-                raise CampaignError(f"injection {key}: they are numbered 0 to {len(self.injections) - 1}")
+            self.injection(key)
             return key
-        for position, injection in enumerate(self.injections):
-            if injection.id == key:
-                return position
-        raise CampaignError(f"no injection {key!r}; {nearest(key, (i.id for i in self.injections))}")
+        for position in self._read(key):
+            number = int(self.number(np.array([position]))[0])
+            if number < 0:
+                raise CampaignError(f"injection {key!r} was not drawn; {self.statement}")
+            return number
+        raise CampaignError(f"no injection {key!r}; {nearest(key, self._place)}")
+
+    def _read(self, key: str) -> Iterator[int]:
+        """The positions at which an id may be meant: names may hold the sign that stands between them."""
+        import numpy as np
+
+        scenario = 0
+        if self.scenarios > 1:
+            key, _, last = key.rpartition(" in scenario ")
+            scenario = int(last) if last.isdecimal() and int(last) < self.scenarios else -1
+        for names in _divided(key.split(" & "), self.order):
+            told = [_without_onset(name) if self.onsets is not None else (name, 0) for name in names]
+            places = [self._place.get(name, -1) for name, _ in told]
+            if scenario < 0 or -1 in places or any(a >= b for a, b in pairwise(places)):
+                continue
+            rank = int(self.combinations.position(np.array([[place] for place in places], dtype=np.int64))[0])
+            position = scenario * self.in_a_scenario + rank * self.times
+            if self.onsets is None:
+                yield position
+            elif told[0][1] in self.onsets:
+                position += self.onsets.index(told[0][1])
+                faults = [scheduled(self.singles[place], told[0][1], self.length) for place in places]
+                if [identify(fault) for fault in faults] == names:
+                    yield position
 
 
-# --- faults of a kind at many places -------------------------------------------------------------------------------
+def _divided(parts: list[str], number: int) -> Iterator[list[str]]:
+    """All ways to put parts together again into so many names."""
+    if number == 1:
+        yield [" & ".join(parts)]
+        return
+    for k in range(1, len(parts) - number + 2):
+        for others in _divided(parts[k:], number - 1):
+            yield [" & ".join(parts[:k]), *others]
 
 
-def each_bit(kinds: Callable[[int | None], Iterable[Kind]], *patterns: str, **when: Any) -> Faults:
-    """A fault for each bit of each point that fits a pattern and each kind: `kinds(bit)`, with None for a wire.
-
-    `when` is passed on to `Fault`: onset, at, ticks.
-    """
-
-    def faults(system: System) -> list[Fault]:
-        return [
-            Fault(kind, [point], **when)
-            for point in matching(system, patterns)
-            for bit in _bits(system, point)
-            for kind in kinds(bit)
-        ]
-
-    return faults
+_ONSET = re.compile(r"(.*)(?: from step |, transient at )(\d+)(?: for \d+)?", re.DOTALL)
 
 
-def stuck_bits(*patterns: str, **when: Any) -> Faults:
-    """Each bit of each point stuck at 0 and stuck at 1."""
-    return each_bit(lambda bit: (stuck(0, bit), stuck(1, bit)), *patterns, **when)
+def _without_onset(name: str) -> tuple[str, int]:
+    found = _ONSET.fullmatch(name)
+    return (found[1], int(found[2])) if found else (name, -1)
 
 
-def upsets(*patterns: str, at: Iterable[int]) -> Faults:
-    """Each bit of each point inverted for one step, at each of the given steps (single-event upsets)."""
-    steps = list(at)
-
-    def faults(system: System) -> list[Fault]:
-        make = [each_bit(lambda bit: (flip(bit),), *patterns, onset=TRANSIENT, at=step, ticks=1) for step in steps]
-        return [fault for one in make for fault in one(system)]
-
-    return faults
+# --- schedules -----------------------------------------------------------------------------------------------------
 
 
-def matching(system: System, patterns: Sequence[str]) -> list[str]:
-    """Full names of the points that fit, each once.  Raises `ModelError` for a pattern that fits none."""
-    return [fault.points[0] for fault in every(byzantine(), *patterns)(system)]
+def scheduled(fault: Fault, step: int, length: int | None) -> Fault:
+    """A fault that begins at a step, for so many steps or for ever."""
+    if length is None:
+        return replace(fault, onset=ANY_TIME, at=step)
+    return replace(fault, onset=TRANSIENT, at=step, ticks=length)
 
 
-def _bits(system: System, point: str) -> Sequence[int | None]:
-    sort = system.points[point].sort
-    if sort.kind not in ("bit", "uint"):
-        raise CampaignError(f"{point} is a {sort} and has no bits; name a fault for it with Fault(kind, [{point!r}])")
-    return [None] if sort.kind == "bit" else range(sort.width)
-
-
-# --- from groups to injections -------------------------------------------------------------------------------------
-
-
-def enumerate_space(
-    system: System, groups: Sequence[Group], *, order: int = 1, sample: int | None = None, seed: int = 0
-) -> Space:
-    """All injections of the groups, or `sample` of them drawn without replacement with `seed`.
-
-    `order` 1 injects single faults, 2 all pairs of them.  Raises `CampaignError` for an empty or ambiguous list.
-    """
-    if order not in (1, 2):
-        raise CampaignError(f"order {order}: a campaign injects single faults (1) or pairs (2)")
-    single = [(group.name, fault) for group in groups for fault in _expanded(system, group)]
-    _refuse_repeats([group.name for group in groups], "group")
-    _refuse_repeats([identify(fault) for _, fault in single], "fault")
-    population = comb(len(single), order)
-    if not population:
-        raise CampaignError(
-            "there is no pair: name two faults or more" if single else "no group has a fault: name at least one"
-        )
-    if sample is not None and not 1 <= sample <= population:
-        raise CampaignError(
-            f"sample={sample} of {population} injections; choose 1 to {population}, or leave it out for all"
-        )
-    chosen: Iterable[tuple[int, ...]] = itertools.combinations(range(len(single)), order)
-    noun = "single faults" if order == 1 else f"pairs of {len(single)} faults"
-    statement = f"all {population} {noun}"
-    if sample is not None and sample < population:
-        positions = sorted(random.Random(seed).sample(range(population), sample))
-        chosen = (_unrank(p, len(single), order) for p in positions)
-        statement = f"{sample} of {population} {noun}, drawn with seed {seed}"
-    return Space(
-        tuple(_injection([single[i] for i in c], c) for c in chosen),
-        tuple(groups),
-        population,
-        statement,
-        Counter(name for name, _ in single),
-    )
-
-
-def _expanded(system: System, group: Group) -> list[Fault]:
-    faults = expand(system, group.faults)
-    if not faults:
-        raise CampaignError(f"group {group.name!r} has no fault; name some, or leave the group out")
-    return faults
+def window(fault: Fault) -> tuple[int, int]:
+    """Steps at which a fault acts in a run, from the first to before the second (`NEVER`: to the end)."""
+    first, end = fault.window()
+    return first, NEVER if end is None else end
 
 
 def identify(fault: Fault) -> str:
@@ -203,27 +307,17 @@ def identify(fault: Fault) -> str:
     return f"{fault.name}, {fault.onset} at {fault.at}" + (f" for {fault.ticks}" if fault.ticks is not None else "")
 
 
-def _injection(members: Sequence[tuple[str, Fault]], places: tuple[int, ...]) -> Injection:
-    group = " & ".join(dict.fromkeys(name for name, _ in members))
-    return Injection(" & ".join(identify(f) for _, f in members), tuple(f for _, f in members), group, places)
-
-
-def _unrank(position: int, n: int, order: int) -> tuple[int, ...]:
-    """The combination at a position of the lexicographic order."""
-    if order == 1:
-        return (position,)
-    first = 0
-    while position >= n - 1 - first:
-        position -= n - 1 - first
-        first += 1
-    return first, first + 1 + position
-
-
-def _refuse_repeats(names: Sequence[str], what: str) -> None:
-    seen: set[str] = set()
-    for name in names:
-        if name in seen:
+def check_schedule(name: str, first: int, end: int, timing: Timing) -> None:
+    """Raise `CampaignError` unless a fault begins within the run and begins and ends between two frames."""
+    last = timing.frames * timing.steps
+    if not 0 <= first < last:
+        raise CampaignError(
+            f"fault {name!r} begins at step {first}, outside the run (0 to {last - 1}); choose another `at`"
+        )
+    for step in (first, end):
+        if step != NEVER and step % timing.steps:
+            near = step - step % timing.steps
             raise CampaignError(
-                f"{what} {name!r} is there twice: leave one out or give it a name of its own (Fault(..., name=...))"
+                f"fault {name!r} begins or ends at step {step}, inside a frame of {timing.steps} steps; "
+                f"choose {near} or {near + timing.steps}, or a campaign with steps_per_frame=1"
             )
-        seen.add(name)

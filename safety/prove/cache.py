@@ -7,18 +7,18 @@ only when its checksum, made over key and content, is right: a damaged, cut or r
 from __future__ import annotations
 
 import contextlib
-import hashlib
 import json
 import os
 import tempfile
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from importlib import metadata
 from pathlib import Path
 from typing import Any
 
+from safety.canonical import PACKAGE, digest, files, text_of
+
 LARGEST = 64 << 20  # bytes in all
 ENGINES = ("z3-solver", "cvc5")  # distributions that verdicts rest on
-PACKAGE = Path(__file__).resolve().parent.parent
 PROVER = ("*.py", "terms/**/*.py", "prove/**/*.py")  # what a verdict is made by, below the package
 
 Warn = Callable[[str], None]
@@ -95,27 +95,6 @@ class Cache:
 
     def _path(self, key: str) -> Path:
         return self.folder / f"{key}.json"
-
-
-def digest(parts: Iterable[str | bytes]) -> str:
-    """SHA-256 over texts, each told from the next."""
-    sum_ = hashlib.sha256()
-    for part in parts:
-        data = part.encode() if isinstance(part, str) else part
-        sum_.update(b"%d:" % len(data))
-        sum_.update(data)
-    return sum_.hexdigest()
-
-
-def files(root: Path, patterns: Iterable[str]) -> list[Path]:
-    """The files below a folder that fit, compiled ones left out, in order of name."""
-    found = {path for pattern in patterns for path in root.glob(pattern) if "__pycache__" not in path.parts}
-    return sorted(path for path in found if path.is_file())
-
-
-def text_of(root: Path, found: Iterable[Path]) -> str:
-    """A digest of the names and contents of files below a folder."""
-    return digest(part for path in found for part in (path.relative_to(root).as_posix(), path.read_bytes()))
 
 
 def prover() -> str:

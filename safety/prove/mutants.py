@@ -3,54 +3,54 @@
 Each mutant of a model (`safety.prove.mutation`) is put to all claims on that model:
 
     counterexample  a proved claim is false in a run of the mutant
-    twin            a claim that must be refuted no longer is: not by its known run, nor by a search at least as long
-    proof lost      a proof no longer goes through with the same lemmas; it is not shown whether a claim would notice
+    witness         the run by which a claim shows that its premise happens does not show it any more
+    twin            a claim that must be refuted is proved instead
+    proof lost      a proof no longer goes through and no run breaks the claim: whether one would notice is not shown
     equivalent      the mutant steps as the model does, in every state that matters: shown by a solver
-    slack           all proofs go through, yet there is a run in which registers or outputs differ
+    slack           all claims are proved, yet there is a run in which registers or outputs differ
     undecided       none of these could be shown
     unclaimed       no claim on the model depends on the place
 
-The first two kill the mutant.  Slack says which claim is missing; a mutant whose proof is lost may be slack too.
+The first three kill the mutant.  Slack says which claim is missing; a mutant whose proof is lost may be slack too.
 """
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
-from typing import cast
 
-from safety.faults import Faulted
-from safety.prove.claims import PROVED, REFUTED, Claim
-from safety.prove.engines.engine import in_integers, uses_reals
+from safety.prove import search
+from safety.prove.claims import PROVED, REFUTED
+from safety.prove.engines.engine import uses_reals
 from safety.prove.exclusions import exclusions
-from safety.prove.mutation import Mutant, Mutants, mutants_of
+from safety.prove.mutation import Mutant
+from safety.prove.mutation_case import Case, Subject
 from safety.prove.mutation_pair import difference
 from safety.prove.mutation_questions import (
     breakable,
-    cone,
     equivalent,
     equivalent_for,
     in_either_reading,
+    same_from_power_up,
     still_proved,
-    with_open_power_up,
 )
-from safety.prove.mutation_runs import Course, Lanes, Seen, confirmed, courses, only, single
-from safety.prove.problem import Problem, build_problem
-from safety.prove.refinement import build_refinement
-from safety.prove.synthesis.synthesise import synthesise
-from safety.system import System
-from safety.terms import Bit, all_of, bit
+from safety.prove.mutation_runs import Course, Lanes, Seen, confirmed, only, single
+from safety.prove.outcome import Limits, Outcome
+from safety.prove.problem import Problem, premise_name
+from safety.prove.prove import decide
+from safety.prove.solve import Disagreement
+from safety.system import ModelError, System
+from safety.terms import Bit
 from safety.terms.graph import variables
 
-COUNTEREXAMPLE, TWIN, PROOF_LOST = "counterexample", "twin", "proof lost"
+COUNTEREXAMPLE, WITNESS, TWIN, PROOF_LOST = "counterexample", "witness", "twin", "proof lost"
 EQUIVALENT, SLACK, UNDECIDED, UNCLAIMED = "equivalent", "slack", "undecided", "unclaimed"
-KILLED = (COUNTEREXAMPLE, TWIN)
+KILLED = (COUNTEREXAMPLE, WITNESS, TWIN)
+KINDS = (*KILLED, PROOF_LOST, EQUIVALENT, SLACK, UNDECIDED, UNCLAIMED)
 SHORT = 12  # steps of the search for a run behind a proof that is lost
 FAR = 20  # steps of the search for a run in which a mutant differs
-SYNTHESIS = 30.0  # seconds for finding the lemmas of a claim
-LONG = 512  # steps: a longer known run is run by fewer mutants
-KINDS = (*KILLED, PROOF_LOST, EQUIVALENT, SLACK, UNDECIDED, UNCLAIMED)
+DRIVEN = 6  # times the limit of a question: what directed runs may take
+DECIDED = 0.5  # of that limit: for lemmas, or simulation, of one claim on one mutant
 
 
 @dataclass(frozen=True)
@@ -63,93 +63,9 @@ class Fate:
     how: str = ""
 
 
-@dataclass(eq=False)
-class Case:
-    """A claim with all mutants of its model."""
-
-    claim: Claim
-    mutants: Mutants
-    timeout: float
-
-    @cached_property
-    def stated(self) -> Problem:
-        """The claim's problem, about the mutant that SELECTOR says."""
-        build = build_refinement if self.claim.refinement is not None else build_problem
-        return build(self.claim, change=self.mutants.for_claim)
-
-    @cached_property
-    def as_written(self) -> Problem:
-        """The claim's problem without mutants."""
-        return single(self.stated, None)
-
-    @cached_property
-    def integers(self) -> bool:
-        """Whether obligations are read in integers."""
-        return in_integers(self.as_written)
-
-    @property
-    def unconditional(self) -> bool:
-        """Whether the claim is about all runs of the healthy model, step by step."""
-        claim = self.claim
-        by_steps = claim.steps_per_frame == 1 and claim.refinement is None
-        return claim.given is None and claim.start is None and not claim.settings and by_steps
-
-    @cached_property
-    def sees(self) -> set[int]:
-        """The mutants that the claim depends on."""
-        numbers, registers = cone(self.problem)
-        return numbers | {m.number for m in self.mutants.mutants if m.power_up and m.power_up[0] in registers}
-
-    @cached_property
-    def courses(self) -> list[Course]:
-        """The runs that the claim is known by."""
-        return list(courses(self.as_written, uses_reals(self.as_written), self.timeout))
-
-    @cached_property
-    def problem(self) -> Problem:
-        """The same with lemmas that the tool finds where the claim brings none and is not proved without."""
-        problem = self.stated
-        if problem.lemmas or self.claim.expect != PROVED or still_proved(problem, (), self.integers, self.timeout):
-            return problem
-        return replace(problem, lemmas=synthesise(self.as_written, SYNTHESIS).lemmas)
-
-    def some(self, numbers: Collection[int]) -> Problem:
-        """The problem of a few mutants, with what their registers hold at power-up."""
-        return with_open_power_up(only(self.problem, numbers), [self.mutants[n] for n in sorted(numbers) if n])
-
-
-def judged(claims: Sequence[Claim]) -> list[Claim]:
-    """The claims that can notice a mutant: those that are proved or refuted as written."""
-    return [claim for claim in claims if claim.expect in (PROVED, REFUTED)]
-
-
-def mutants_for(claims: Sequence[Claim]) -> Mutants:
-    """The mutants of the model that some claims are about; parameters that one of them changes are left open."""
-    return mutants_of(claims[0].model, sorted({path for c in claims for path in (*c.symbolic, *c.settings)}))
-
-
-class Subject:
-    """A model with the claims on it, ready to examine mutants of it; `timeout` in seconds for each question."""
-
-    def __init__(self, claims: Sequence[Claim], timeout: float = 20.0) -> None:
-        self.timeout = timeout
-        self.claims = judged(claims)
-        self.mutants = mutants_for(self.claims)
-        self.open = {path for c in self.claims for path in (*c.symbolic, *c.settings)}
-        cases = [Case(c, self.mutants, timeout) for c in self.claims]
-        self.proved = [case for case in cases if case.claim.expect == PROVED]
-        self.refuted = [case for case in cases if case.claim.expect == REFUTED]
-
-    def healthy(self, numbers: Collection[int]) -> Problem:
-        """These mutants of the healthy model, in all its runs: a problem that claims nothing."""
-        system = self.mutants.some(numbers)
-        given = all_of(system.start, *(cast(Bit, a) for a in system.assumptions.values()))
-        faulted = Faulted(system, (), (), (), ())
-        return Problem(self.claims[0], system, faulted, bit(True), (), given, system.start, {})
-
-    def examine(self, numbers: Collection[int]) -> list[Fate]:
-        """What becomes of these mutants."""
-        return _Examination(self, set(numbers)).fates()
+def examine(subject: Subject, numbers: Iterable[int]) -> list[Fate]:
+    """What becomes of these mutants."""
+    return _Examination(subject, set(numbers)).fates()
 
 
 def _length(case: Case) -> int:
@@ -168,28 +84,35 @@ class _Examination:
     """What is known of some mutants so far; each step of `fates` takes those away whose fate it settles."""
 
     def __init__(self, subject: Subject, numbers: set[int]) -> None:
-        self.subject, self.left = subject, numbers
+        self.subject, self.left, self.timeout = subject, numbers, subject.timeout
         self.settled: dict[int, Fate] = {}
         self.differs: dict[int, tuple[str, str]] = {}  # a claim on whose known run it differs, and where
-        self.lost: dict[int, tuple[Case, str]] = {}
-        self.unknown: dict[int, str] = {}
+        self.lost: dict[int, dict[Case, str]] = {}  # claims that are not proved any more with their lemmas
+        self.open: dict[int, dict[Case, str]] = {}  # claims of which it is not known
         self.proved: set[Case] = set()  # as the model is written, here
 
     def fates(self) -> list[Fate]:
         """All fates, in the order of the mutants."""
-        numbers = sorted(self.left)
+        numbers, proved = sorted(self.left), self.subject.proved
         self._unclaimed()
+        self._drive()
+        for case in sorted(proved, key=_length):
+            self._run(case)
         self._equivalent()
-        for case in self.subject.proved:
+        for case in proved:
             self._prove(case)
         self._equivalent_for_claims(self._of_the_step(), found=False)
         self._search_for_lost()
-        for case in sorted(self.subject.proved, key=_length):
-            self._run(case)
+        for case in proved:
+            self._witness(case)
+        for number in sorted(self.left & (self.lost.keys() | self.open.keys())):
+            self._decide(number)
+        self._equivalent_at_power_up()
+        self._equivalent_for_claims(self._of_the_step(), found=True)
         for case in sorted(self.subject.refuted, key=_length):
             self._twin(case)
-        for number in self.lost.keys() & self.left:
-            case, label = self.lost[number]
+        for number in sorted(self.lost.keys() & self.left):
+            case, label = next(iter(self.lost[number].items()))
             self.settle(number, PROOF_LOST, case.claim.id, label)
         self._slack()
         return [self.settled[n] for n in numbers]
@@ -219,46 +142,83 @@ class _Examination:
             yield known, found
 
     def _run(self, case: Case) -> None:
-        """Mutants whose proof is lost on the claim's known runs; long ones only for those that this claim's proof lost.
-
-        A mutant for which all proofs go through breaks no claim in any run.
-        """
-        numbers = {n for n, (by, _) in self.lost.items() if by is case or _length(case) <= LONG}
-        for known, found in self._followed(case, self.left & numbers & case.sees):
+        """Mutants on the claim's known runs."""
+        for known, found in self._followed(case, self.left & case.sees):
             for number, seen in found.items():
                 if seen.broken is not None and number in self.left:
-                    some = only(case.problem, {number})
-                    confirmed(single(some, self.subject.mutants[number]), known, seen.broken)
+                    confirmed(self._single(case, number), known, seen.broken)
                     self.settle(number, COUNTEREXAMPLE, case.claim.id, f"after {seen.broken + 1} steps")
 
-    def _twin(self, case: Case) -> None:
-        """A proof that is lost asks its claim's own twins only, a mutant that keeps all proofs asks every one.
+    def _single(self, case: Case, number: int) -> Problem:
+        return single(only(case.stated, {number}), self.subject.mutants[number])
 
-        A search shorter than the known run kills nobody: the mutant may just be refuted later.
-        """
-        strangers = {n for n, (by, _) in self.lost.items() if by.claim.id != case.claim.twin_of}
-        lost = self.left & case.sees - strangers
-        for _, found in self._followed(case, lost):
-            lost = lost - {number for number, seen in found.items() if seen.broken is not None}
-        steps, known = case.claim.steps, max((len(course.rows) for course in case.courses), default=None)
-        if not lost:
+    def _drive(self) -> None:
+        """Mutants on many long runs, all claims that assume the same at once."""
+        for panel in self.subject.panels:
+            numbers = self.left & set().union(*(case.sees for case in panel.cases))
+            mutants = [self.subject.mutants[n] for n in sorted(numbers)]
+            for number, course, step in panel.drive.broken(mutants, DRIVEN * self.timeout):
+                case = panel.broken_by(number, course, step)
+                if case is None:
+                    raise Disagreement(f"lanes and the Python reading differ on mutant {number} at step {step}")
+                self.settle(number, COUNTEREXAMPLE, case.claim.id, f"after {step + 1} steps")
+
+    def _witness(self, case: Case) -> None:
+        """Mutants in which the run that shows a claim's premise shows it no more: then nobody accepts the claim."""
+        script = case.claim.witness
+        if script is None:
             return
-        if known is None or steps < known:
-            why = "no run that refutes it is known" if known is None else f"its run has {known} steps, a search {steps}"
-            self.unknown |= dict.fromkeys(lost, f"{case.claim.id} is not refuted by a known run: {why}")
-            return
-        some = case.some(lost)
-        searched = breakable(some, ~some.holds, lost, steps, uses_reals(some), self.subject.timeout)
-        self.unknown |= {number: f"{case.claim.id}: {why}" for number, why in searched.open.items()}
-        for number in searched.kept:
-            self.settle(number, TWIN, case.claim.id, f"not refuted in {steps} steps")
+        for number in sorted(self.left & case.sees):
+            problem = self._single(case, number)
+            try:
+                run = search.scripted(problem, script)
+            except ModelError as error:
+                self.settle(number, WITNESS, case.claim.id, str(error))
+                continue
+            if not any(True in run[premise_name(problem, i)] for i in range(len(problem.premises))):
+                self.settle(number, WITNESS, case.claim.id, f"its premise is not met in the {script.steps} steps")
+
+    def _twin(self, case: Case) -> None:
+        """A twin kills where it is proved of the mutant; that nothing refutes it in some steps is not enough."""
+        left = self.left & case.sees
+        for _, found in self._followed(case, left):
+            left = left - {number for number, seen in found.items() if seen.broken is not None}
+        if left:
+            some = case.some(left)
+            left = left - breakable(some, ~some.holds, left, SHORT, uses_reals(some), self.timeout).failed.keys()
+        for number in sorted(left):
+            outcome = self._decided(case, number)
+            if outcome.verdict == PROVED:
+                self.settle(number, TWIN, case.claim.id, f"proved: {outcome.method}")
+            elif outcome.verdict != REFUTED:
+                self.open.setdefault(number, {})[case] = "neither refuted nor proved"
+
+    def _decided(self, case: Case, number: int) -> Outcome:
+        """A claim on a mutant, with lemmas that the tool finds; a proof is tried before runs."""
+        seconds = DECIDED * self.timeout
+        problem = replace(self._single(case, number), lemmas={})
+        plain = replace(problem.claim, witness=None, scenario=None, expect=PROVED)
+        return decide(replace(problem, claim=plain), Limits(seconds, synthesis=seconds, simulation=seconds, portfolio=0))
+
+    def _decide(self, number: int) -> None:
+        """Whether the claims whose proofs are lost, or were not there, are true of the mutant."""
+        for case in [*self.lost.get(number, ()), *self.open.get(number, ())]:
+            outcome = self._decided(case, number)
+            if outcome.verdict == REFUTED:
+                self.settle(number, COUNTEREXAMPLE, case.claim.id, f"after {outcome.steps} steps")
+                return
+            if outcome.verdict == PROVED:
+                for some in (self.lost, self.open):
+                    some.get(number, {}).pop(case, None)
+                    if number in some and not some[number]:
+                        del some[number]
 
     def _of_the_step(self) -> set[int]:
         """Mutants whose step is changed: one that powers up otherwise steps like the model, and is not it."""
         return {number for number in self.left if self.subject.mutants[number].power_up is None}
 
     def _equivalent(self) -> None:
-        asked, timeout = self._of_the_step(), self.subject.timeout
+        asked, timeout = self._of_the_step(), self.timeout
         some = self.subject.mutants.some(asked)
         alike = in_either_reading(
             lambda left, integers: equivalent(some, left, integers, timeout),
@@ -268,28 +228,38 @@ class _Examination:
         for number in alike:
             self.settle(number, EQUIVALENT, "", "the same step in every state, whatever faults act")
 
+    def _equivalent_at_power_up(self) -> None:
+        """Another value at power-up that is gone after the first step, unseen, in all runs that claims are about."""
+        healthy = single(self.subject.healthy(()), None)
+        for number in sorted(self.left - self._of_the_step()):
+            mutant = self.subject.mutants[number]
+            about = [healthy, *(case.as_written for case in self.subject.proved if number in case.sees)]
+            if all(same_from_power_up(problem, mutant, uses_reals(problem), self.timeout) for problem in about):
+                self.settle(number, EQUIVALENT, "", "the same outputs at power-up, the same registers from then on")
+
     def _prove(self, case: Case) -> None:
-        asked = self.left & case.sees - self.lost.keys()
+        asked = self.left & case.sees
         if not asked:
             return
-        found = still_proved(case.some(asked), asked, case.integers, self.subject.timeout)
+        found = still_proved(case.some(asked), asked, case.integers, self.timeout)
         if found is None:
-            self.unknown |= dict.fromkeys(asked, f"{case.claim.id} has no proof by induction to compare with")
+            told = {number: (self.open, "it has no proof by induction to compare with") for number in asked}
         else:
             self.proved.add(case)
-            self.lost |= {number: (case, label) for number, label in found.failed.items()}
-            self.unknown |= {number: f"{case.claim.id}: {why}" for number, why in found.open.items()}
+            told = {number: (self.lost, label) for number, label in found.failed.items()}
+            told |= {number: (self.open, why) for number, why in found.open.items()}
+        for number, (where, why) in told.items():
+            where.setdefault(number, {})[case] = why
 
     def _search_for_lost(self) -> None:
         """A proof that is lost may be so for a run that breaks the claim."""
-        by_case: dict[Case, set[int]] = {}
-        for number in self.lost.keys() & self.left:
-            case, _ = self.lost[number]
-            by_case.setdefault(case, set()).add(number)
-        for case, numbers in by_case.items():
+        for case in self.subject.proved:
+            numbers = {n for n in self.left if case in self.lost.get(n, ())}
+            if not numbers:
+                continue
             some = case.some(numbers)
             steps = min(case.claim.steps, SHORT)
-            found = breakable(some, ~some.holds, numbers, steps, uses_reals(some), self.subject.timeout)
+            found = breakable(some, ~some.holds, numbers, steps, uses_reals(some), self.timeout)
             for number, when in found.failed.items():
                 self.settle(number, COUNTEREXAMPLE, case.claim.id, when)
 
@@ -299,7 +269,9 @@ class _Examination:
         Without faults it is so in all runs, or else the mutant might show in runs that none of the claims is about.
         With `found`, registers that were found to exclude one another do so too.
         """
-        timeout, kept = self.subject.timeout, numbers - self.lost.keys()
+        timeout, kept = self.timeout, numbers - self.lost.keys()
+        if not kept:
+            return
         healthy = self.subject.healthy(kept)
         known = exclusions(single(healthy, None), timeout) if found else ()
         always = _alike(healthy, kept, timeout, (*known, *self._lemmas_for(healthy.system, self.subject.open)))
@@ -334,20 +306,20 @@ class _Examination:
 
     def _slack(self) -> None:
         """Where all proofs go through and the mutant is not equivalent: the run in which it differs."""
-        for number in sorted(self.left - self.unknown.keys()):
+        for number in sorted(self.left - self.open.keys()):
             if number in self.differs or self._search_for_difference(number):
                 self.settle(number, SLACK, *self.differs[number])
-        self._equivalent_for_claims(self._of_the_step(), found=True)
-        silent = f"no run of up to {FAR} steps is known in which it differs"
         for number in sorted(self.left):
-            self.settle(number, UNDECIDED, "", self.unknown.get(number, silent))
+            why = [f"{case.claim.id}: {why}" for case, why in self.open.get(number, {}).items()]
+            silent = f"no run of up to {FAR} steps is known in which it differs"
+            self.settle(number, UNDECIDED, "", "; ".join(why) or silent)
 
     def _search_for_difference(self, number: int) -> bool:
         mutant = self.subject.mutants[number]
         faulted = [(c.claim.id, c.problem) for c in self.subject.proved if c.claim.faults and number in c.sees]
         for claim, problem in [("", self.subject.healthy({number})), *faulted]:
             some = only(problem, {number})
-            found = difference(some, mutant, FAR, uses_reals(some), self.subject.timeout / 4)
+            found = difference(some, mutant, FAR, uses_reals(some), self.timeout / 4)
             if found is not None:
                 self.differs[number] = claim, f"{found[1]} differs after {len(found[0])} steps"
                 return True

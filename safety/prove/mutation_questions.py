@@ -250,3 +250,25 @@ def equivalent_for(
     shown = same_step(some.system, [some.holds, some.given, *some.premises])
     one = Obligation("the same step", True, ((0, tuple(cast(list[Bit], assumed))),), 0, shown)
     return split(some.system, one, numbers, integers, timeout)
+
+
+def same_from_power_up(problem: Problem, mutant: Mutant, integers: bool, timeout: float) -> bool:
+    """Whether a register's other value at power-up shows nowhere at the first step and is gone after it.
+
+    The problem is that of the model as it is, with which the mutant shares all but this value.
+    """
+    path, value = cast(tuple[str, Any], mutant.power_up)
+    system = problem.system
+    if path not in system.state:
+        return True
+    var = system.state[path].var
+    outputs = [system.signals[name] for name in outputs_of(system)]
+    read = [*(s.next for s in system.states), *outputs, problem.holds, problem.given, *problem.premises, problem.start]
+    original = substitute(read, {var.uid: const(cast(Any, system.state[path].power_up), var.sort)})
+    changed = substitute(read, {var.uid: const(value, var.sort)})
+    same = all_of(*(cast(Bit, build("eq", pair, None, BIT)) for pair in zip(original, changed, strict=True)))
+    unrolling = Unrolling(system, "z3", integers)
+    asked = Solver("z3", unrolling.k, timeout, finite=not integers)
+    asked.add(*unrolling.at(0, [problem.given, problem.start, ~same]))
+    asked.add_ranges(unrolling)
+    return asked.check() == UNSAT

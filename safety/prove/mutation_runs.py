@@ -132,7 +132,7 @@ class Lanes:
         seen = {m.number: Seen() for m in self.mutants}
         lanes: Lanes | None = self
         first = 0
-        state: Sequence[Any] = self._power_up(known.start)
+        state: Sequence[Any] = self.power_up(known.start)
         while lanes is not None:
             lanes, first, state = lanes._follow(known, first, state, seen)
         return seen
@@ -174,7 +174,8 @@ class Lanes:
         variables = self.whole.inputs.values()
         return [np.full(len(self.mutants), x, dtype=lane_type(v)) for x, v in zip(row, variables, strict=True)]
 
-    def _power_up(self, start: Mapping[str, Any]) -> list[Any]:
+    def power_up(self, start: Mapping[str, Any]) -> list[Any]:
+        """The registers at power-up, a mutant a lane, those that are free as `start` says."""
         import numpy as np
 
         values, _ = initial_state(self.whole, start)
@@ -199,8 +200,8 @@ class Lanes:
                     seen[self.mutants[lane].number].differs = k, name
 
 
-def confirmed(problem: Problem, known: Course, step: int) -> None:
-    """Replay a course on the Python reading of a single mutant; `Disagreement` unless it breaks the claim there."""
+def breaks(problem: Problem, known: Course, step: int) -> bool:
+    """Whether a single mutant breaks the claim at a step of a course, and not before, on the Python reading."""
     whole = observed(problem)
     stepper = Stepper.of(whole, ["claim.holds", "claim.given"])
     at = {path: len(whole.states) + i for i, path in enumerate(stepper.observed)}
@@ -208,5 +209,12 @@ def confirmed(problem: Problem, known: Course, step: int) -> None:
     for k, row in enumerate(known.rows[: step + 1]):
         result = stepper.function(*state, *row)
         if result[at["claim.holds"]] is (k == step) or not result[at["claim.given"]]:
-            raise Disagreement(f"{problem.claim.id}: lanes and the Python reading differ on a mutant at step {k}")
+            return False
         state = result[: len(whole.states)]
+    return True
+
+
+def confirmed(problem: Problem, known: Course, step: int) -> None:
+    """Replay a course on a single mutant; `Disagreement` unless it breaks the claim there."""
+    if not breaks(problem, known, step):
+        raise Disagreement(f"{problem.claim.id}: lanes and the Python reading differ on a mutant at step {step}")

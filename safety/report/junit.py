@@ -1,4 +1,7 @@
-"""JUnit XML for continuous integration: a suite for each kind of result, a test case for each result."""
+"""JUnit XML for continuous integration: a suite for each kind of result, a test case for each result.
+
+A campaign that is not as asked has a failure for each of its surprises.
+"""
 
 from __future__ import annotations
 
@@ -45,8 +48,10 @@ def _case(suite: ET.Element, case: Judged, timings: bool) -> None:
         element.set("time", f"{seconds:.3f}")
     if case.standing.code:
         kind = "error" if _is_error(case) else "failure"
-        failure = ET.SubElement(element, kind, message=clean(case.standing.reason), type=WORDS[case.standing.code])
-        failure.text = clean(_story(entry))
+        surprises = entry.get("surprises") if kind == "failure" else None
+        for reason in surprises or [case.standing.reason]:
+            failure = ET.SubElement(element, kind, message=clean(reason), type=WORDS[case.standing.code])
+            failure.text = clean(_story(entry))
 
 
 def _story(entry: Entry) -> str:

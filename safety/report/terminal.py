@@ -57,6 +57,9 @@ def _unexpected(results: Mapping[str, Any]) -> Iterator[Line]:
             yield Line(_fit(f"    why: {entry['why']}"))
         if entry.get("counterexample"):
             yield from changed_cells(entry)
+        surprises = entry.get("surprises") or ()
+        if len(surprises) > 1 or entry.get("baseline"):
+            yield from (Line(f"    {_flat(text)}") for text in surprises)  # in full: a command in it is to be copied
         yield Line("")
     if len(off) > UNEXPECTED:
         yield Line(f"  and {len(off) - UNEXPECTED} more results that are not as asked", "red")

@@ -7,6 +7,7 @@
 | lanes   | source text over NumPy arrays | the same; numbers are int64, or objects beyond it                    |
 | integer | solver term: Bool, Int, Real  | function of the solver's interface, the term and the solver terms    |
 | vector  | solver term: Bool, bit-vector | the same; a real has no such reading (`TermError`)                   |
+| native  | LLVM vector, a lane each      | function of the code written, the term and the argument names        |
 
 The solver's interface is that of z3, or cvc5 under the same names: one text serves both.  The tests of the terms prove
 the columns equal, and show for every entry that a wrong one is found.
@@ -19,6 +20,24 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any, NoReturn
 
+from safety.terms.column_native import (
+    Native,
+    native_arithmetic,
+    native_bit,
+    native_cast,
+    native_clip,
+    native_concat,
+    native_const,
+    native_div,
+    native_gate,
+    native_implies,
+    native_mod,
+    native_not,
+    native_order,
+    native_same,
+    native_select,
+    native_slice,
+)
 from safety.terms.column_solvers import (
     Solver,
     either,
@@ -74,6 +93,7 @@ class Operation:
     lanes: Text
     integer: Solver
     vector: Solver
+    native: Native
 
 
 def _leaf(*_: Any) -> NoReturn:
@@ -87,14 +107,16 @@ OPERATIONS: dict[str, Operation] = {
         lanes=lambda t: literal(t.attr),
         integer=integer_const,
         vector=vector_const,
+        native=native_const,
     ),
-    "var": Operation(direct=_leaf, python=_leaf, lanes=_leaf, integer=_leaf, vector=_leaf),
+    "var": Operation(direct=_leaf, python=_leaf, lanes=_leaf, integer=_leaf, vector=_leaf, native=_leaf),
     "point": Operation(
         direct=lambda t, x: x,
         python=form("{0}"),
         lanes=form("{0}"),
         integer=either(lambda x: x),
         vector=either(lambda x: x),
+        native=native_same,
     ),
     # bits
     "not": Operation(
@@ -103,6 +125,7 @@ OPERATIONS: dict[str, Operation] = {
         lanes=form("(~{0})"),
         integer=named("Not"),
         vector=named("Not"),
+        native=native_not,
     ),
     "and": Operation(
         direct=lambda t, x, y: x and y,
@@ -110,6 +133,7 @@ OPERATIONS: dict[str, Operation] = {
         lanes=form("({0} & {1})"),
         integer=named("And"),
         vector=named("And"),
+        native=native_gate("and"),
     ),
     "or": Operation(
         direct=lambda t, x, y: x or y,
@@ -117,6 +141,7 @@ OPERATIONS: dict[str, Operation] = {
         lanes=form("({0} | {1})"),
         integer=named("Or"),
         vector=named("Or"),
+        native=native_gate("or"),
     ),
     "xor": Operation(
         direct=lambda t, x, y: x != y,
@@ -124,6 +149,7 @@ OPERATIONS: dict[str, Operation] = {
         lanes=form("({0} ^ {1})"),
         integer=named("Xor"),
         vector=named("Xor"),
+        native=native_gate("xor"),
     ),
     "implies": Operation(
         direct=lambda t, x, y: not x or y,
@@ -131,6 +157,7 @@ OPERATIONS: dict[str, Operation] = {
         lanes=form("(np.logical_not({0}) | {1})"),
         integer=named("Implies"),
         vector=named("Implies"),
+        native=native_implies,
     ),
     # numbers
     "add": Operation(
@@ -139,6 +166,7 @@ OPERATIONS: dict[str, Operation] = {
         lanes=lane_numbers("+"),
         integer=either(lambda x, y: x + y),
         vector=vector_arithmetic(lambda x, y: x + y),
+        native=native_arithmetic("add"),
     ),
     "sub": Operation(
         direct=lambda t, x, y: x - y,
@@ -146,6 +174,7 @@ OPERATIONS: dict[str, Operation] = {
         lanes=lane_numbers("-"),
         integer=either(lambda x, y: x - y),
         vector=vector_arithmetic(lambda x, y: x - y),
+        native=native_arithmetic("sub"),
     ),
     "mul": Operation(
         direct=lambda t, x, y: x * y,
@@ -153,6 +182,7 @@ OPERATIONS: dict[str, Operation] = {
         lanes=lane_numbers("*"),
         integer=either(lambda x, y: x * y),
         vector=vector_arithmetic(lambda x, y: x * y),
+        native=native_arithmetic("mul"),
     ),
     "eq": Operation(
         direct=lambda t, x, y: x == y,
@@ -160,6 +190,7 @@ OPERATIONS: dict[str, Operation] = {
         lanes=form("({0} == {1})"),
         integer=either(lambda x, y: x == y),
         vector=vector_eq,
+        native=native_order("eq", "eq"),
     ),
     "lt": Operation(
         direct=lambda t, x, y: x < y,
@@ -167,6 +198,7 @@ OPERATIONS: dict[str, Operation] = {
         lanes=form("({0} < {1})"),
         integer=either(lambda x, y: x < y),
         vector=vector_order("ULT", lambda x, y: x < y),
+        native=native_order("ult", "slt"),
     ),
     "le": Operation(
         direct=lambda t, x, y: x <= y,
@@ -174,6 +206,7 @@ OPERATIONS: dict[str, Operation] = {
         lanes=form("({0} <= {1})"),
         integer=either(lambda x, y: x <= y),
         vector=vector_order("ULE", lambda x, y: x <= y),
+        native=native_order("ule", "sle"),
     ),
     "select": Operation(
         direct=lambda t, c, x, y: x if c else y,
@@ -181,6 +214,7 @@ OPERATIONS: dict[str, Operation] = {
         lanes=lane_select,
         integer=named("If"),
         vector=vector_select,
+        native=native_select,
     ),
     "cast": Operation(
         direct=lambda t, x: Fraction(x) if t.sort.kind == "real" else x,
@@ -188,6 +222,7 @@ OPERATIONS: dict[str, Operation] = {
         lanes=lane_cast,
         integer=integer_cast,
         vector=vector_cast,
+        native=native_cast,
     ),
     "clip": Operation(
         direct=lambda t, x: min(max(x, t.sort.bounds[0]), t.sort.bounds[1]),
@@ -195,6 +230,7 @@ OPERATIONS: dict[str, Operation] = {
         lanes=lane_clip,
         integer=integer_clip,
         vector=vector_clip,
+        native=native_clip,
     ),
     # words
     "slice": Operation(
@@ -203,6 +239,7 @@ OPERATIONS: dict[str, Operation] = {
         lanes=lane_slice,
         integer=integer_slice,
         vector=vector_slice,
+        native=native_slice,
     ),
     "bit": Operation(
         direct=lambda t, x: (x >> t.attr) % 2 == 1,
@@ -210,6 +247,7 @@ OPERATIONS: dict[str, Operation] = {
         lanes=form("wires({0} >> {attr} & 1)"),
         integer=integer_bit,
         vector=vector_bit,
+        native=native_bit,
     ),
     "concat": Operation(
         direct=lambda t, x, y: x << t.args[1].sort.width | y,
@@ -217,6 +255,7 @@ OPERATIONS: dict[str, Operation] = {
         lanes=lane_concat,
         integer=integer_concat,
         vector=named("Concat"),
+        native=native_concat,
     ),
     "div": Operation(
         direct=lambda t, x: x // t.attr,
@@ -224,6 +263,7 @@ OPERATIONS: dict[str, Operation] = {
         lanes=lane_divide("//"),
         integer=lambda k, t, x: x / t.attr,
         vector=vector_divide("UDiv"),
+        native=native_div,
     ),
     "mod": Operation(
         direct=lambda t, x: x % t.attr,
@@ -231,6 +271,7 @@ OPERATIONS: dict[str, Operation] = {
         lanes=lane_divide("%"),
         integer=lambda k, t, x: x % t.attr,
         vector=vector_divide("URem"),
+        native=native_mod,
     ),
     "band": Operation(
         direct=lambda t, x, y: x & y,
@@ -238,6 +279,7 @@ OPERATIONS: dict[str, Operation] = {
         lanes=form("({0} & {1})"),
         integer=integer_bitwise("And"),
         vector=either(lambda x, y: x & y),
+        native=native_gate("and"),
     ),
     "bor": Operation(
         direct=lambda t, x, y: x | y,
@@ -245,6 +287,7 @@ OPERATIONS: dict[str, Operation] = {
         lanes=form("({0} | {1})"),
         integer=integer_bitwise("Or"),
         vector=either(lambda x, y: x | y),
+        native=native_gate("or"),
     ),
     "bxor": Operation(
         direct=lambda t, x, y: x ^ y,
@@ -252,5 +295,6 @@ OPERATIONS: dict[str, Operation] = {
         lanes=form("({0} ^ {1})"),
         integer=integer_bitwise("Xor"),
         vector=either(lambda x, y: x ^ y),
+        native=native_gate("xor"),
     ),
 }

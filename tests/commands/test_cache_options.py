@@ -13,10 +13,10 @@ from typing import Any
 
 import pytest
 
+from safety.canonical import digest
 from safety.commands.earlier import Earlier
 from safety.commands.options import share
 from safety.project import open_project
-from safety.prove.cache import digest
 from tests.commands.conftest import CLAIMS, MODEL, Run, document, put
 
 CLAIM_IDS = {

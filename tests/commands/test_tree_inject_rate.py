@@ -97,7 +97,7 @@ def test_assumed_rates_of_failure_modes_are_marked(
     ]
     entry = {"id": "k", "injections": 4, "classes": {}, "fmeda": modes, "by_rate": {"lambda_du": 5e-8}}
     session = SimpleNamespace(results={"campaigns": [entry]}, code=0)
-    monkeypatch.setattr("safety.commands.inject.work", lambda *_: session)
+    monkeypatch.setattr("safety.commands.inject.work", lambda *_, **options: session)
     assert main(["inject", "--project", str(whole)]) == 0
     head, every, one, other = capsys.readouterr().out.splitlines()
     assert head.endswith("rate /h")

@@ -9,7 +9,7 @@ import pytest
 
 from safety.faults import Fault, every, flip, frozen
 from safety.inject import CampaignError, Group, each_bit, stuck_bits, upsets
-from safety.inject.space import enumerate_space
+from safety.inject.enumeration import enumerate_space
 from safety.system import ModelError, System
 from safety.tracing import trace
 
@@ -68,7 +68,7 @@ def test_a_sample_is_drawn_from_the_whole_and_repeats_with_its_seed(system: Syst
         ([], {}, "no group has a fault"),
         ([Group("g", [])], {}, "group 'g' has no fault"),
         ([Group("g", [Fault(flip(), ["lit"])])], {"order": 2}, "there is no pair"),
-        ([Group("g", stuck_bits("lit"))], {"order": 3}, "order 3"),
+        ([Group("g", stuck_bits("lit"))], {"order": 4}, "order 4"),
         ([Group("g", stuck_bits("lit"))], {"sample": 3}, "sample=3 of 2 injections; choose 1 to 2"),
         ([Group("g", stuck_bits("lit")), Group("g", stuck_bits("sum"))], {}, "group 'g' is there twice"),
         ([Group("g", stuck_bits("lit", "lit"))], {}, None),

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from fractions import Fraction
+from statistics import NormalDist
 
 import pytest
 
-from safety.inject.statistics import Stratum, clopper_pearson, runs_without_failure, share, weighted
+from safety.inject.statistics import any_population, clopper_pearson, runs_without_failure, share
 
 
 @pytest.mark.parametrize(
@@ -50,29 +52,91 @@ def test_runs_for_a_coverage_of_99_percent_with_some_missed(missed: int, runs: i
     assert low[0] < 0.99 <= low[1] * (1 + 2e-8)
 
 
-def coverage(interval: dict[int, tuple[float, float]], n: int, p: Fraction) -> Fraction:
-    """The exact probability that the interval holds p."""
+@pytest.mark.parametrize(("missed", "runs"), [(0, 4603), (1, 6636), (2, 8403), (5, 13_105)])
+def test_runs_for_a_coverage_of_99_9_percent_with_some_missed(missed: int, runs: int) -> None:
+    low = [clopper_pearson(n - missed, n, 0.98)[0] for n in (runs - 1, runs)]
+    assert low[0] < 0.999 <= low[1] * (1 + 2e-8)
+
+
+@pytest.mark.parametrize(
+    ("hits", "of"), [(0, 10**9), (1, 10**9), (5, 10**9), (10**6, 10**9), (5 * 10**8, 10**9), (10**9 - 3, 10**9)]
+)
+def test_the_interval_is_right_for_a_thousand_million_trials(hits: int, of: int) -> None:
+    from scipy.stats import binom
+
+    low, high = clopper_pearson(hits, of, 0.99)
+    if hits:
+        assert 0.005 * (1 - 1e-3) < binom.cdf(of - hits, of, 1 - low) <= 0.005 * (1 + 1e-6)
+    assert 0.005 * (1 - 1e-3) < binom.cdf(hits, of, high) <= 0.005 * (1 + 1e-6)
+
+
+Interval = Callable[[int, int, float], tuple[float, float]]
+
+
+def coverage(bounds: list[tuple[float, float]], p: Fraction) -> Fraction:
+    """The exact probability that the interval holds p, by summing over all outcomes."""
+    n = len(bounds) - 1
     return sum(
-        (math.comb(n, k) * p**k * (1 - p) ** (n - k) for k in range(n + 1) if interval[k][0] <= p <= interval[k][1]),
+        (math.comb(n, k) * p**k * (1 - p) ** (n - k) for k in range(n + 1) if bounds[k][0] <= p <= bounds[k][1]),
         Fraction(0),
     )
 
 
-PROBABILITIES = [Fraction(k, 97) for k in range(98)]
+def least_coverage(interval: Interval, n: int, confidence: float) -> Fraction:
+    """The least coverage over a grid and over the ends of all intervals, just outside of them.
+
+    The outcomes whose intervals hold p follow each other and change at these ends only; the probability of a run of
+    outcomes rises, then falls with p.  So the least over all p is met just beside an end.
+    """
+    bounds = [interval(k, n, confidence) for k in range(n + 1)]
+    ends = [Fraction(math.nextafter(low, -1)) for low, _ in bounds if low > 0]
+    ends += [Fraction(math.nextafter(high, 2)) for _, high in bounds if high < 1]
+    return min(coverage(bounds, p) for p in (*ends, *(Fraction(k, 97) for k in range(98))))
 
 
-@pytest.mark.parametrize("confidence", [0.8, 0.95, 0.99])
+@pytest.mark.parametrize("interval", [clopper_pearson, any_population])
+@pytest.mark.parametrize("confidence", [0.5, 0.8, 0.95, 0.99])
 @pytest.mark.parametrize("n", [1, 2, 5, 12, 25])
-def test_the_interval_holds_the_truth_at_least_as_often_as_stated(n: int, confidence: float) -> None:
-    interval = {k: clopper_pearson(k, n, confidence) for k in range(n + 1)}
-    assert min(coverage(interval, n, p) for p in PROBABILITIES) >= Fraction(str(confidence))
+def test_the_interval_holds_the_truth_at_least_as_often_as_stated(
+    interval: Interval, n: int, confidence: float
+) -> None:
+    assert least_coverage(interval, n, confidence) >= Fraction(str(confidence))
 
 
-def test_the_normal_approximation_would_not() -> None:
-    n = 25
-    half = {k: 2.576 * math.sqrt(k / n * (1 - k / n) / n) for k in range(n + 1)}
-    interval = {k: (k / n - half[k], k / n + half[k]) for k in range(n + 1)}
-    assert min(coverage(interval, n, p) for p in PROBABILITIES) < Fraction("0.99")
+def swapped(hits: int, of: int, confidence: float) -> tuple[float, float]:
+    return clopper_pearson(of - hits, of, confidence)
+
+
+def off_by_one(hits: int, of: int, confidence: float) -> tuple[float, float]:
+    low, _ = clopper_pearson(min(hits + 1, of), of, confidence)
+    _, high = clopper_pearson(max(hits - 1, 0), of, confidence)
+    return low, high
+
+
+def low_off_by_one(hits: int, of: int, confidence: float) -> tuple[float, float]:
+    return off_by_one(hits, of, confidence)[0], 1.0
+
+
+def not_halved(hits: int, of: int, confidence: float) -> tuple[float, float]:
+    return clopper_pearson(hits, of, 2 * confidence - 1)
+
+
+def one_trial_too_many(hits: int, of: int, confidence: float) -> tuple[float, float]:
+    return clopper_pearson(hits, of + 1, confidence)
+
+
+def normal_approximation(hits: int, of: int, confidence: float) -> tuple[float, float]:
+    p, z = hits / of, NormalDist().inv_cdf((1 + confidence) / 2)
+    half = z * math.sqrt(p * (1 - p) / of)
+    return p - half, p + half
+
+
+@pytest.mark.parametrize(
+    "wrong", [swapped, off_by_one, low_off_by_one, not_halved, one_trial_too_many, normal_approximation]
+)
+@pytest.mark.parametrize("n", [12, 25])
+def test_a_wrong_interval_is_found(wrong: Interval, n: int) -> None:
+    assert least_coverage(wrong, n, 0.95) < Fraction("0.95")
 
 
 def test_everything_tried_leaves_no_interval() -> None:
@@ -86,46 +150,3 @@ def test_everything_tried_leaves_no_interval() -> None:
 def test_impossible_counts_and_confidences_are_refused(arguments: tuple[int, int, float]) -> None:
     with pytest.raises(ValueError, match=r"trials|confidence"):
         clopper_pearson(*arguments)
-
-
-def stratum(weight: str, tried: int, safe: int, found: int, missed: int, *, exhaustive: bool = True) -> Stratum:
-    return Stratum("s", Fraction(weight), tried, safe, found, missed, exhaustive)
-
-
-def test_each_stratum_weighs_what_it_weighs() -> None:
-    strata = [stratum("3e-8", 4, 1, 2, 1), stratum("1e-8", 2, 0, 0, 1)]
-    coverage = weighted(strata, safe_too=False)
-    fraction = weighted(strata, safe_too=True)
-    assert coverage is not None and coverage.exact == Fraction(6, 11)  # 1.5e-8 of 2.75e-8
-    assert fraction is not None and fraction.exact == Fraction(9, 14)  # 2.25e-8 of 3.5e-8
-
-
-@pytest.mark.parametrize(
-    ("bad", "message"), [(stratum("0", 4, 0, 4, 0), "weighs 0"), (stratum("1e-8", 0, 0, 0, 0), "has no trial")]
-)
-def test_a_stratum_that_would_pass_unseen_fails(bad: Stratum, message: str) -> None:
-    with pytest.raises(ValueError, match=message):
-        weighted([stratum("1e-8", 4, 0, 4, 0), bad], safe_too=False)
-
-
-def test_the_weighted_interval_holds_the_truth_over_all_samples() -> None:
-    """Two strata with known shares of (dangerous detected, dangerous undetected), five drawn from each."""
-    truth, weights, n = [(0.6, 0.2), (0.3, 0.1)], [3, 1], 5
-    good, bad = (sum(w * t[i] for w, t in zip(weights, truth, strict=True)) for i in (0, 1))
-    held = 0.0
-    for first in outcomes(n):
-        for second in outcomes(n):
-            strata = [Stratum("s", Fraction(w), n, 0, *o, False) for w, o in zip(weights, (first, second), strict=True)]
-            found = weighted(strata, safe_too=False, confidence=0.9)
-            if found is None or found.low <= good / (good + bad) <= found.high:
-                held += chance(first, truth[0], n) * chance(second, truth[1], n)
-    assert held >= 0.9
-
-
-def outcomes(n: int) -> list[tuple[int, int]]:
-    return [(a, b) for a in range(n + 1) for b in range(n + 1 - a)]
-
-
-def chance(outcome: tuple[int, int], share: tuple[float, float], n: int) -> float:
-    (a, b), (p, q) = outcome, share
-    return math.comb(n, a) * math.comb(n - a, b) * p**a * q**b * (1 - p - q) ** (n - a - b)

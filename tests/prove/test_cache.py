@@ -13,11 +13,12 @@ from typing import Any
 
 import pytest
 
+from safety.canonical import NoKeyError, digest, files, read, text_of, written
 from safety.faults import ANY_TIME, Fault, any_of_faults, at_most, byzantine, every, stuck
 from safety.model import Model, parameter, point, power_up
 from safety.prove import cache as caches
-from safety.prove.cache import Cache, digest, files, prover, text_of
-from safety.prove.canonical import NoKeyError, problem_key, read, written
+from safety.prove.cache import Cache, prover
+from safety.prove.canonical import problem_key
 from safety.prove.claims import BITS, REFUTED, VERDICTS, Claim, Scenario, age, once, persists
 from safety.prove.prove import stated
 from safety.system import ANY
@@ -205,7 +206,8 @@ def test_two_questions_never_share_a_key() -> None:
 def test_a_key_that_forgets_a_field_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
     from safety.prove import canonical
 
-    monkeypatch.setitem(canonical.SHOWN, "claim", canonical.SHOWN["claim"] | {"steps"})
+    shown = canonical.ProblemText.shown
+    monkeypatch.setattr(canonical.ProblemText, "shown", {**shown, "claim": shown["claim"] | {"steps"}})
     with pytest.raises(AssertionError):
         test_two_questions_never_share_a_key()
 

@@ -9,8 +9,9 @@ from typing import NamedTuple
 import pytest
 
 from safety.model import Model, point, power_up
-from safety.prove import mutation_questions
+from safety.prove import mutants, mutation_questions
 from safety.prove.claims import REFUTED, Claim, Scenario, Seen
+from safety.prove.claims import UNDECIDED as UNDECIDED_CLAIM
 from safety.prove.mutants import (
     COUNTEREXAMPLE,
     EQUIVALENT,
@@ -21,12 +22,15 @@ from safety.prove.mutants import (
     TWIN,
     UNCLAIMED,
     UNDECIDED,
+    WITNESS,
     Fate,
-    Subject,
+    examine,
 )
 from safety.prove.mutation import SELECTOR, mutants_of
+from safety.prove.mutation_case import Subject
 from safety.prove.mutation_operators import TRANSPARENT, edits
 from safety.prove.mutation_runs import confirmed, single
+from safety.prove.outcome import Outcome
 from safety.prove.solve import Disagreement
 from safety.terms import U2, U3, U4, U7, Bit, implies, select
 from safety.terms import graph as terms_graph
@@ -89,8 +93,15 @@ DARK = asked(three_or_less_is_dark, Climber, id="dark", lemmas=(lit_means_top,))
 def fates(*claims: Claim) -> dict[str, Fate]:
     """What became of each mutant, by what it says."""
     subject = Subject(claims)
-    found = subject.examine(range(1, len(subject.mutants.mutants) + 1))
+    found = examine(subject, range(1, len(subject.mutants.mutants) + 1))
     return {f"{f.mutant.was}: {f.mutant.change}": f for f in found}
+
+
+def fate(mutant: str, *claims: Claim) -> Fate:
+    """What became of one mutant."""
+    subject = Subject(claims)
+    (number,) = [m.number for m in subject.mutants.mutants if f"{m.was}: {m.change}" == mutant]
+    return examine(subject, [number])[0]
 
 
 @pytest.fixture(scope="module")
@@ -124,20 +135,27 @@ def test_a_mutant_meets_its_fate(judged: dict[str, Fate], mutant: str, kind: str
     assert fate.claim == claim or not claim
 
 
-def test_a_lost_proof_is_told_from_a_broken_claim() -> None:
-    """At 6 the lemma is gone, the claim still true; beyond that the claim breaks."""
-    found = fates(BRITTLE)
-    assert found["(n < 5): <= for <"].kind == PROOF_LOST
-    assert "at most five" in found["(n < 5): <= for <"].how
-    assert found["(n < 5): stuck at 1"].kind == COUNTEREXAMPLE
+def test_a_lost_proof_is_found_anew_or_the_claim_is_broken() -> None:
+    """At 6 the lemma is gone, the claim still true by another one: slack; beyond that the claim breaks."""
+    found = fate("(n < 5): <= for <", BRITTLE)
+    assert found.kind == SLACK
+    assert found.how
+    assert fate("(n < 5): stuck at 1", BRITTLE).kind == COUNTEREXAMPLE
+
+
+def test_a_proof_that_is_lost_and_not_found_anew(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where nothing decides the claim on the mutant, its fate says which lemma is lost; it is no kill."""
+    monkeypatch.setattr(mutants, "decide", lambda problem, limits: Outcome(problem.claim, UNDECIDED_CLAIM))
+    found = fate("(n < 5): <= for <", BRITTLE)
+    assert found.kind == PROOF_LOST
+    assert "at most five" in found.how
 
 
 def test_equivalent_in_all_states_that_the_lemmas_leave() -> None:
     """Above 5 there is no state: there >= says what == says; at 4 it does not."""
-    found = fates(DARK)
-    assert found["(n == 5): >= for =="].kind == EQUIVALENT
-    assert found["(lit | (n == 5)): ^ for |"].kind != EQUIVALENT
-    assert found["(n == 5): 4 for 5"].kind == PROOF_LOST
+    assert fate("(n == 5): >= for ==", DARK).kind == EQUIVALENT
+    assert fate("(lit | (n == 5)): ^ for |", DARK).kind != EQUIVALENT
+    assert fate("(n == 5): 4 for 5", DARK).kind == SLACK  # "low" is 3 or less: nothing says when it is lit
 
 
 def stays_lit(s: Seen) -> Bit:
@@ -151,8 +169,8 @@ ABOVE_FIVE = "(n == 5): >= for =="
 
 def test_what_one_claim_has_proved_of_all_runs_helps_another() -> None:
     """That there is no state above 5 only the other claim says."""
-    assert fates(STAYS)[ABOVE_FIVE].kind == UNDECIDED
-    assert fates(STAYS, TOP)[ABOVE_FIVE].kind == EQUIVALENT
+    assert fate(ABOVE_FIVE, STAYS).kind == UNDECIDED
+    assert fate(ABOVE_FIVE, STAYS, TOP).kind == EQUIVALENT
 
 
 def at_most_four(s: Seen) -> Bit:
@@ -175,14 +193,36 @@ def goes(s: Seen) -> Bit:
     ids=lambda other: other.id,
 )
 def test_what_is_not_proved_of_all_runs_helps_nobody(other: Claim) -> None:
-    assert fates(STAYS, other)[ABOVE_FIVE].kind == UNDECIDED
+    assert fate(ABOVE_FIVE, STAYS, other).kind == UNDECIDED
 
 
-def test_another_value_at_power_up_is_never_equivalent() -> None:
-    """Its step is that of the model: it has to be told apart by runs."""
-    found = fates(DARK)
-    assert found["lit at power-up: True for False"].kind == COUNTEREXAMPLE
-    assert {f.kind for f in found.values() if f.mutant.power_up} & {EQUIVALENT} == set()
+def test_another_value_at_power_up_has_to_vanish_unseen() -> None:
+    """Its step is that of the model, so that it steps alike says nothing."""
+    assert fate("lit at power-up: True for False", DARK).kind == COUNTEREXAMPLE
+    found = [examine(Subject([WASHED]), [m.number])[0] for m in mutants_of(Washed).mutants if m.power_up]
+    kinds = {f"{f.mutant.was}: {f.mutant.change}": f.kind for f in found}
+    assert kinds["mark at power-up: True for False"] == EQUIVALENT
+    assert kinds["shown at power-up: True for False"] != EQUIVALENT
+    assert kinds["n at power-up: 1 for 0"] != EQUIVALENT
+
+
+class Washed(Model, event="tick"):
+    """What `mark` holds at power-up is gone after a step, unseen; `shown` is seen, and `n` stays."""
+
+    mark: Bit = power_up(False)
+    shown: Bit = power_up(False)
+    n: U2 = power_up(0)
+
+    def step(self, go: Bit) -> tuple[Washed, Bit]:
+        return Washed(mark=go, shown=go, n=select(go & self.mark, self.n, self.n)), self.shown
+
+
+def follows(s: Seen) -> Bit:
+    """Says little, of all registers."""
+    return implies(s.mark & s.shown & (s.n == 3), s.shown)
+
+
+WASHED = asked(follows, Washed, id="washed")
 
 
 class Stopper(Model, event="tick"):
@@ -209,7 +249,7 @@ def test_a_false_lemma_makes_nobody_equivalent() -> None:
     """Up to 3 it does not matter where the counter stops; in its runs it does."""
     claim = asked(at_most_ten, Stopper, id="false lemma", lemmas=(at_most_three,))
     found = fates(claim)
-    assert found["(n == 5): 6 for 5"].kind == UNDECIDED
+    assert found["(n == 5): 6 for 5"].kind == SLACK
     subject = Subject([claim])
     for fate in found.values():
         if fate.kind == EQUIVALENT:
@@ -241,23 +281,34 @@ def any_number(s: Seen) -> Bit:
 GOES = Scenario(51, {"go": True})
 
 
-@pytest.mark.parametrize(("steps", "never"), [(5, UNDECIDED), (52, TWIN)])
-def test_a_search_shorter_than_the_known_run_kills_nobody(steps: int, never: str) -> None:
-    """At 51 it is refuted one step after the known run ends; where it never goes, only a long search tells so."""
-    twin = asked(never_out, Late, id="late", expect=REFUTED, twin_of="any", steps=steps, scenario=GOES)
-    subject = Subject([asked(any_number, Late, id="any"), twin])
-    numbers = {f"{m.was}: {m.change}": m.number for m in subject.mutants.mutants}
-    later, still = subject.examine([numbers["(n == 50): 51 for 50"]]), subject.examine([numbers["go: stuck at 0"]])
-    assert later[0].kind not in KILLED
-    assert still[0].kind == never
+def test_a_twin_kills_where_it_is_proved() -> None:
+    """At 51 it is refuted one step after the known run ends; where it never goes, it is proved."""
+    twin = asked(never_out, Late, id="late", expect=REFUTED, twin_of="any", steps=5, scenario=GOES)
+    claims = asked(any_number, Late, id="any"), twin
+    assert fate("(n == 50): 51 for 50", *claims).kind not in KILLED
+    assert fate("go: stuck at 0", *claims).kind == TWIN
 
 
-def test_no_slack_where_a_proof_is_missing() -> None:
-    """A claim that induction does not prove keeps nobody's mutants: they are undecided, not slack."""
+def test_no_slack_where_a_proof_is_missing(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A claim that is not proved keeps nobody's mutants: they are undecided, not slack."""
+    monkeypatch.setattr(mutants, "decide", lambda problem, limits: Outcome(problem.claim, UNDECIDED_CLAIM))
     unproved = asked(three_or_less_is_dark, Climber, id="unproved", lemmas=(at_most_five,), induction=0)
     kinds = {f.kind for f in fates(unproved).values()}
     assert SLACK not in kinds
     assert UNDECIDED in kinds
+
+
+def climbs_to_four(s: Seen) -> Bit:
+    """Where it is at 4 and told to go, the lamp is dark."""
+    return implies(s.n == 4, s.n <= 4)
+
+
+def test_a_witness_that_shows_nothing_any_more_kills() -> None:
+    """The claim is true of a climber that stands still, too; the run that is to reach its premise does not."""
+    seen = asked(climbs_to_four, Climber, id="seen", witness=CLIMBS)
+    found = fate("go: stuck at 0", seen)
+    assert (found.kind, found.claim) == (WITNESS, "seen")
+    assert fate("go: stuck at 1", seen).kind == SLACK
 
 
 def test_the_line_of_a_mutant(judged: dict[str, Fate]) -> None:
@@ -345,6 +396,7 @@ def test_a_replay_that_does_not_break_the_claim_is_refused() -> None:
 
 
 def test_a_solver_that_loses_the_mutants_difference_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Planted: all steps are taken for the same; then mutants that break claims count as equivalent."""
+    """Planted: all steps are taken for the same; then mutants count as equivalent."""
+    assert fate("(n < 5): 4 for 5", TOP).kind == SLACK
     monkeypatch.setattr(mutation_questions, "same_step", lambda *_: bit(True))
-    assert fates(TOP)["(n < 5): <= for <"].kind == EQUIVALENT
+    assert fate("(n < 5): 4 for 5", TOP).kind == EQUIVALENT

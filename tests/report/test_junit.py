@@ -58,6 +58,17 @@ def test_an_unexpected_counterexample_is_told(sample: Results) -> None:
     assert "rightside replay" in told
 
 
+def test_a_campaign_fails_once_for_each_surprise() -> None:
+    classes = {"safe": 0, "detected": 0, "dangerous_undetected": 2, "no_effect": 0}
+    surprises = ["new dangerous undetected: a", "lost detection: b"]
+    campaign = {"id": "c", "injections": 2, "exhaustive": True, "classes": classes, "surprises": surprises}
+    root = parsed({"campaigns": [campaign | {"as_expected": False, "note": "2 surprises"}]})
+    assert [failure.get("message") for failure in root.iter("failure")] == surprises
+    assert (root.get("tests"), root.get("failures")) == ("1", "1")
+    broken = parsed({"campaigns": [campaign | {"error": "kernel"}]})
+    assert [error.get("message") for error in broken.iter("error")] == ["internal error: kernel"]
+
+
 def test_times_are_given_only_on_demand(sample: Results) -> None:
     assert all(case.get("time") is None for case in parsed(sample).iter("testcase"))
     assert any(case.get("time") == "0.410" for case in parsed(sample, timings=True).iter("testcase"))

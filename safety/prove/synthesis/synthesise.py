@@ -34,7 +34,8 @@ from safety.terms.graph import postorder, variables
 from safety.terms.values import all_of
 
 STAGES = (
-    "codes", "clauses", "rates", "clocks", "bounds", "shapes", "rates at ends", "bounds on products", "guarded bounds",
+    "codes", "rates", "clauses", "rates of flags", "rates at ends", "clocks", "bounds", "shapes", "falls",
+    "bounds on products", "guarded bounds",
 )  # fmt: skip
 LANES, TICKS, EVERY, STEPS = 192, 90, 3, 4000
 SLICE = 0.3  # share of the time left that one stage may take
@@ -189,17 +190,21 @@ class _Search:
 
     def stages(self) -> Iterator[None]:
         """Each of the `STAGES` adds to what is kept."""
-        self.keep(codes(self.near))
-        yield
         rows = joined(self.sampler.run(self.sampler.starts(LANES), TICKS, EVERY, self.soon()))
-        guessed = clauses(self.near, self.atoms, rows) if len(next(iter(rows.values()), [])) else []
-        self.keep([*ceilings(self.problem, rows), *residues(self.problem, rows), *guessed])
+        self.keep([*codes(self.near), *ceilings(self.problem, rows), *residues(self.problem, rows)])
         yield
         healthy = self.without_faults(self.problem)
         steps = healthy.steps(STEPS, 20, 0.1, self.soon())
         found = self.forms(healthy, steps)
         linear, products = [f for f in found if not f.product], [f for f in found if f.product]
+        self.race(steps, rows, linear, False)
+        yield
+        guessed = clauses(self.near, self.atoms, rows) if len(next(iter(rows.values()), [])) else []
+        self.keep(guessed)
+        yield
         self.race(steps, rows, linear, True)
+        yield
+        self.race(steps, rows, linear, False)
         yield
         self.keep(fit(clocks(self.near, steps, self.atoms), rows))
         yield
@@ -208,7 +213,7 @@ class _Search:
         yield
         self.keep(fit(shapes(self.near, steps, rows, self.atoms), rows))
         yield
-        self.race(steps, rows, [*linear, *units(self.problem.system.states)], False)
+        self.race(steps, rows, units(self.problem.system.states), False)
         yield
         self.bound(steps, rows, products, False, guessed)
         yield

@@ -19,10 +19,12 @@ from safety.prove.synthesis.sampling import Rows, Steps, constants_of, evaluate
 from safety.system import State
 from safety.terms import Bit, Int
 from safety.terms.graph import Term, postorder, variables
-from safety.terms.values import all_of, any_of, bit, select
+from safety.terms.values import any_of, bit, select
 
 if TYPE_CHECKING:
     import numpy.typing as npt
+
+    Lanes = npt.NDArray[Any]
 
 FEW = 8  # values of a register all of which are atoms
 SMALL = 16  # values of a register each of which is an atom of its own
@@ -220,7 +222,8 @@ def rates(
     """
     found: list[Candidate] = []
     before = steps.before | steps.inputs
-    (admitted,) = evaluate([all_of(*settled)], before)
+    (*admitting,) = evaluate(settled, before)
+    read = [{v.uid for v in variables([lemma])} for lemma in settled]
     for time in times(pruner.problem):
         t = as_int(time.var)
         advance = steps.after[time.var.uid] - steps.before[time.var.uid]
@@ -232,6 +235,8 @@ def rates(
                 continue
             guards = [TRUE, *(g for g in guards_of(near, form, atoms) if not single and _is_flag(g) == flags)]
             healthy = near.healthy(form.registers)
+            around = near.near(form.registers) | {v.uid for v in form.registers}
+            admitted = _all(len(steps), (a for a, own in zip(admitting, read, strict=True) if own <= around))
             for shown, text in ((form.term(), show(form)), (-form.term(), f"-({show(form)})")):
                 values = [evaluate([shown, healthy, *guards], rows) for rows in (before, steps.after)]
                 change = values[1][0] - values[0][0]
@@ -247,9 +252,16 @@ def rates(
                     counting = t < tops[time.var.uid] if rate < 0 and time.var.uid in tops else TRUE
                     raced = _race(pruner, (healthy & counting, shown, text), guard, t, time.next, rate, settled)
                     found += raced
-                    if raced and guard.is_const:
+                    if raced and guard.is_const and rate > 0:
                         break
     return found
+
+
+def _all(lanes: int, columns: Iterable[Lanes]) -> Lanes:
+    """Where all columns are true: sampled states seldom satisfy lemmas about registers far away."""
+    import numpy as np
+
+    return np.logical_and.reduce([np.ones(lanes, dtype=np.bool_), *columns])
 
 
 def _is_flag(literal: Bit) -> bool:

@@ -1,0 +1,173 @@
+"""Where proof and simulation meet: each single fault of a campaign is proved harmless, or simulated, and never both ways.
+
+A campaign names claims and hazards whose violation its wrong side is (`Campaign(proofs=[...])`).  Such a proof covers a
+fault when its own fault can do at least as much: at the same points or more, byzantine or of the same effect, with an
+onset that includes the campaign's.  What is proved holds for every input and for ever; what is simulated, for the
+campaign's stimulus.  A fault that is proved harmless and found dangerous means that one of the two is wrong.
+
+    compared(campaign, result, claims, hazards) -> rows, one a single fault: its cells, and what covers it
+    settled(results)                            -> the same with the verdicts of the claims in the results
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from fractions import Fraction
+from typing import TYPE_CHECKING, Any
+
+from safety.faults import ANY_TIME, FROM_START, Fault, Kind, Seat, expand, matching
+from safety.inject.space import CampaignError, Space, scheduled
+from safety.prove.claims import Claim, claim_id
+from safety.system import System, nearest
+from safety.terms.graph import Sort, variable
+from safety.terms.values import bit
+
+if TYPE_CHECKING:
+    from safety.inject import Campaign, Result
+    from safety.prove.hazards import Hazard
+
+Entry = dict[str, Any]
+PARTS = ("proved", "simulated", "sampled")
+WRONG = "wrong/"
+
+
+def covers(wide: Fault, narrow: Fault, system: System) -> bool:
+    """Whether whatever `narrow` can do in a run, `wide` can do in a proof."""
+    where = set(matching(system, wide.points))
+    if not set(matching(system, narrow.points)) <= where:
+        return False
+    if wide.kind.name == "byzantine":
+        return True
+    same = where == set(matching(system, narrow.points)) and all(
+        _effect(wide.kind, system.points[p].sort) == _effect(narrow.kind, system.points[p].sort) for p in where
+    )
+    if wide.onset == ANY_TIME:
+        return same and narrow.onset in (FROM_START, ANY_TIME)
+    return same and wide.onset == narrow.onset and (wide.ticks or 0) >= (narrow.ticks or 0)
+
+
+def _effect(kind: Kind, sort: Sort) -> Any:
+    """What a kind does, as terms: two kinds of one effect give the same."""
+    healthy = variable("healthy value", sort)
+    seat = Seat("probe", bit(True))
+    seen = kind.effect(seat, healthy)
+    return seen.uid, [(s.var.uid, s.next.uid, s.power_up) for s in seat.states], sorted(seat.inputs)
+
+
+def covering(claim: Claim, campaign: Campaign) -> dict[int, str]:
+    """Which single faults of the campaign a claim covers: their places, each with the name of the claim's fault.
+
+    Raises `CampaignError` for a claim that can say nothing about them: of another model, with other settings, under
+    assumptions, or without faults.
+    """
+    system, space = campaign.system, campaign.space
+    if claim.model is not campaign.model:
+        raise _useless(campaign, claim, f"it is about {claim.model.__name__}")
+    if claim.given is not None or claim.start is not None or claim.anywhere or claim.steps_per_frame != 1:
+        raise _useless(campaign, claim, "it holds under assumptions, or in other steps")
+    if claim.faults is None or claim.faults.most == 0:
+        raise _useless(campaign, claim, "it allows no fault")
+    asked = {name: value for name, value in campaign.settings.items() if name not in claim.symbolic}
+    if any(claim.settings.get(name, value) != value for name, value in asked.items()) or any(
+        name not in asked for name in claim.settings if name not in claim.symbolic
+    ):
+        raise _useless(campaign, claim, "its settings differ from those of the campaign")
+    allowed = expand(system, claim.faults.faults)
+    found: dict[int, str] = {}
+    for place, fault in enumerate(space.singles):
+        narrow = fault if space.onsets is None else scheduled(fault, space.onsets[0], space.length)
+        by = next((wide.name for wide in allowed if covers(wide, narrow, system)), None)
+        if by is not None:
+            found[place] = by
+    return found
+
+
+def _useless(campaign: Campaign, claim: Claim, why: str) -> CampaignError:
+    return CampaignError(f"{campaign.id}: claim {claim.id} closes nothing here: {why}; leave it out of proofs=")
+
+
+def compared(
+    campaign: Campaign, result: Result, claims: Iterable[Claim], hazards: Iterable[Hazard]
+) -> list[dict[str, Any]]:
+    """A row for each single fault: `id`, `rate_per_h`, whether it was found `dangerous`, and `by`, what covers it."""
+    named = _named(campaign.proofs, claims, hazards, campaign.id)
+    covered = {id_: covering(claim, campaign) for id_, claim in named.items()}
+    space = campaign.space
+    if space.order != 1:
+        raise CampaignError(f"{campaign.id}: proofs= closes single faults; this campaign injects {space.order} at once")
+    dangerous = {i.places[0] for i, cell in result.injections() if cell.startswith(WRONG)}
+    return [
+        {
+            "id": fault.name,
+            "rate_per_h": _rate(space, place),
+            "dangerous": place in dangerous,
+            "by": {id_: found[place] for id_, found in covered.items() if place in found},
+        }
+        for place, fault in enumerate(space.singles)
+    ]
+
+
+def _named(
+    wanted: Sequence[Callable[..., Any]], claims: Iterable[Claim], hazards: Iterable[Hazard], place: str
+) -> dict[str, Claim]:
+    known = {claim.id: claim for claim in claims} | {hazard.id: hazard.claim for hazard in hazards}
+    found: dict[str, Claim] = {}
+    for formula in wanted:
+        id_ = claim_id(formula)
+        if id_ not in known:
+            raise CampaignError(f"{place}: proofs= names {id_}, which is no claim and no hazard; {nearest(id_, known)}")
+        found[id_] = known[id_]
+    return found
+
+
+def _rate(space: Space, place: int) -> str | None:
+    group = space.of_group[place]
+    whole = space.groups[group].rate_per_h
+    return None if whole is None else str(Fraction(whole) / space.of_group.count(group))
+
+
+def settled(entry: Entry, results: Mapping[str, Any]) -> Entry:
+    """A campaign's entry with its faults divided into parts, by what the claims in these results came to.
+
+    `closure.parts`: faults and rate of each part; `closure.contradictions`: faults proved harmless that were found
+    dangerous; `closure.open`: proofs that are not in the results, or did not succeed.
+    """
+    rows = entry["closure"]["faults"]
+    harmless = {id_: _harmless(id_, results) for row in rows for id_ in row["by"]}
+    parts: dict[str, list[Entry]] = {part: [] for part in PARTS}
+    contradictions = []
+    for row in rows:
+        proofs = [id_ for id_, name in row["by"].items() if (test := harmless[id_]) is not None and test(name)]
+        part = "proved" if proofs else "simulated" if entry["exhaustive"] else "sampled"
+        parts[part].append(row)
+        if proofs and row["dangerous"]:
+            contradictions.append(f"{row['id']}: harmless by {proofs[0]}, dangerous in {entry['id']}")
+    told = {
+        "faults": rows,
+        "parts": {part: _sums(found, rows) for part, found in parts.items()},
+        "contradictions": contradictions,
+        "open": sorted(id_ for id_, test in harmless.items() if test is None),
+    }
+    return {**entry, "closure": told}
+
+
+def _harmless(id_: str, results: Mapping[str, Any]) -> Callable[[str], bool] | None:
+    """Whether a proof shows that its fault of a name alone does no harm; None where there is no such proof."""
+    for claim in results.get("claims", ()):
+        if claim["id"] == id_ and claim["verdict"] == "proved":
+            return lambda name: True
+    for tree in results.get("trees", ()):
+        if tree["id"] == id_ and tree.get("complete_to_order", -1) >= 1:
+            alone = {tuple(cut["faults"]) for cut in tree["cut_sets"]}
+            if tree["minimal_cut_sets"]["count"] == len(alone) and () not in alone:
+                return lambda name: (name,) not in alone
+    return None
+
+
+def _sums(found: Sequence[Entry], of: Sequence[Entry]) -> Entry:
+    """Number and rate of some faults, with their share of all; rates only where every fault has one."""
+    told: Entry = {"faults": len(found), "share": len(found) / len(of)}
+    if all(row["rate_per_h"] is not None for row in of):
+        rate, whole = (sum((Fraction(row["rate_per_h"]) for row in rows), Fraction(0)) for rows in (found, of))
+        told |= {"rate_per_h": float(rate), "share_of_rate": float(rate / whole)}
+    return told

@@ -1,0 +1,172 @@
+"""A campaign worked on as the command asks: engine, place of work, target, baseline, reproducers; its entry."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import Executor
+from dataclasses import dataclass, field
+from fractions import Fraction
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from safety.commands import CommandError
+from safety.commands.evaluate import Note, fitting
+from safety.commands.gate import against, aim
+from safety.project import Value
+from safety.report.numbers import number
+
+if TYPE_CHECKING:
+    from safety.inject import Campaign, Result
+    from safety.report.schema import Entry
+
+EVERY = ""  # the name under which a target is for all campaigns
+
+
+@dataclass(frozen=True)
+class Wishes:
+    """What the command asks of campaigns beside what they declare; plain values, so that a worker can be told."""
+
+    engine: str = ""
+    collapsing: bool = True
+    audit: bool = False
+    targets: Mapping[str, str] = field(default_factory=dict)
+    baseline: str = ""
+    record: bool = False
+    shrink: int = 0
+
+    @property
+    def changes(self) -> dict[str, Any]:
+        """What is changed of a campaign; none of it changes an answer."""
+        found: dict[str, Any] = {"engine": self.engine} if self.engine else {}
+        if not self.collapsing:
+            found["collapsing"] = False
+        return found | ({"audit": True} if self.audit else {})
+
+
+Run = Callable[["Campaign", Note], "Result"]
+
+
+def prepare(campaign: Campaign, wishes: Wishes, settings: Mapping[str, Value]) -> None:
+    """Change a campaign as asked.  Raises `CommandError` when the engine asked for is not there."""
+    if isinstance(campaign.model, type):
+        campaign.settings = {**campaign.settings, **fitting(campaign.model, settings)}
+    for name, value in wishes.changes.items():
+        setattr(campaign, name, value)
+
+
+def injected(campaign: Campaign, wishes: Wishes, root: Path, note: Note, run: Run | None = None) -> Entry:
+    """The entry of a campaign that is prepared; `run` gives its result, by default in this process."""
+    try:
+        result = (run or here)(campaign, note)
+    except ImportError as missing:
+        raise CommandError(f"{campaign.id}: engine {campaign.engine}: {missing}; give --engine lanes") from None
+    entry = result.to_json()
+    entry["declared"] = declared(campaign, root)
+    target = wishes.targets.get(campaign.id, wishes.targets.get(EVERY, campaign.target_coverage))
+    if target is not None and not result.interrupted:
+        aim(entry, Fraction(target))
+    if (wishes.baseline or wishes.record) and not result.interrupted:
+        _hold_against(entry, result, wishes)
+    if wishes.shrink:
+        entry["reproducers"] = list(_reproducers(campaign, entry, wishes.shrink, note))
+    return entry
+
+
+def here(campaign: Campaign, note: Note) -> Result:
+    """Run a campaign in this process."""
+    return campaign.inject(pace(campaign, note))
+
+
+def pace(campaign: Campaign, note: Note) -> Callable[[float, float], None]:
+    """Tell of progress: the share done, injections a second, and how long it still takes."""
+
+    def tell(share: float, seconds: float) -> None:
+        rate = share * len(campaign.space) / seconds if seconds > 0 else 0.0
+        left = seconds * (1 - share) / share if share > 0 else 0.0
+        note(f"{share:.0%}, {number(float(f'{rate:.2g}'))}/s, {left:.0f} s left")
+
+    return tell
+
+
+def declared(campaign: Campaign, root: Path) -> dict[str, Any] | None:
+    """The file, relative to the project, and the line where a campaign is declared; None when that is elsewhere."""
+    file, line = campaign.place
+    path = Path(file)
+    return {"file": path.relative_to(root).as_posix(), "line": line} if path.is_relative_to(root) else None
+
+
+def _hold_against(entry: Entry, result: Result, wishes: Wishes) -> None:
+    from safety.inject.baseline import Findings, compare
+
+    found = Findings.of(result)
+    if wishes.baseline:
+        against(entry, compare(records(wishes.baseline)[entry["id"]], found), Path(wishes.baseline).name)
+    if wishes.record:
+        entry["record"] = found.record()
+
+
+def records(file: str) -> dict[str, dict[str, Any]]:
+    """The records of a baseline file.  Raises `CampaignError` for a file that is none, `CommandError` without one."""
+    from safety.inject.baseline import loads
+
+    try:
+        return loads(Path(file).read_text(encoding="utf-8"), file)
+    except OSError as error:
+        raise CommandError(
+            f"{file}: cannot be read: {error.strerror}; `rightside inject --write-baseline {file}` writes one"
+        ) from None
+    except UnicodeDecodeError as bad:
+        raise CommandError(f"{file}: byte {bad.start}: no UTF-8 text; a baseline is JSON") from None
+
+
+def _reproducers(campaign: Campaign, entry: Entry, most: int, note: Note) -> Sequence[dict[str, Any]]:
+    """Minimal reproducers of the first dangerous undetected injections; those that a baseline has not come first."""
+    from safety.inject.reproduce import read, reproducer
+
+    new = (entry.get("baseline") or {}).get("new", {})
+    ids = [line.partition("::")[2] for line in entry["replay"]]
+    chosen = sorted(ids, key=lambda one: one not in new)[:most]
+    found = []
+    for count, one in enumerate(chosen, start=1):
+        note(f"shrinking {count} of {len(chosen)}")
+        found.append(reproducer(campaign, read(campaign, one)).to_json())
+    return found
+
+
+@dataclass(frozen=True)
+class Kept:
+    """A place where campaigns are kept as they run: the store, who makes shards, and which of them."""
+
+    store: str
+    executor: Executor
+    root: Path
+    settings: Mapping[str, Value]
+    wishes: Wishes
+    shard: str = "1/1"
+    resume: bool = True
+    merge: Sequence[str] = ()
+    told: Callable[[str], None] = lambda text: None
+
+    def run(self, campaign: Campaign, note: Note) -> Result:
+        """The result of a campaign out of its shards; it says what is missing, or that it was interrupted."""
+        import time
+
+        from safety.commands.declared import Declared
+        from safety.inject.store import Part, Store, merge, run_sharded
+
+        store = Store(Path(self.store), self.told)
+        if self.merge:
+            merge(campaign, [Path(folder) for folder in self.merge], store)
+        find = Declared(
+            str(self.root), campaign.id, tuple(self.settings.items()), tuple(self.wishes.changes.items())
+        )  # fmt: skip
+        began = time.monotonic()
+        stored = run_sharded(
+            campaign, find, store, self.executor,
+            part=Part.parse(self.shard), resume=self.resume, progress=pace(campaign, note),
+        )  # fmt: skip
+        for problem in stored.problems:
+            self.told(problem)
+        if stored.interrupted:
+            raise KeyboardInterrupt
+        return stored.result(time.monotonic() - began)

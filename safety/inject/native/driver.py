@@ -1,0 +1,322 @@
+"""The driver, in native code: groups of lanes through time, from event to event.
+
+A group starts from the fault-free run where its first fault begins.  Its masks change only at events: the steps at which
+a fault begins or ends.  While none acts, the group is compared with the fault-free run now and then; when all lanes are
+as that is, it goes on at the next event, or ends.  What is counted is the difference from the fault-free run, so a step
+left out counts nothing.
+"""
+
+from __future__ import annotations
+
+from safety.inject.native.kernel import WORD, Kernel
+from safety.inject.native.routine import Routine
+
+NEVER = 2**31 - 1
+SELDOM = 16  # steps between two comparisons, at most
+MOST_COUNTED = 2**15 - 1  # in 16 bits
+
+# What the driver is given, each 8 bytes: an address, or a number.
+PARAMETERS = (
+    "groups", "wide", "atoms", "first", "end", "column", "entry", "entries", "rows", "total", "prune",
+    "state", "other", "seen", "taps", "passing", "sums", "ever", "counts", "came", "runs", "blocks",
+)  # fmt: skip
+NUMBERS = {"groups", "wide", "total", "prune", "runs", "blocks"}
+# wide: faults a run has at most; atoms, first, end: (wide, groups x lanes) of int32; column: of each lane, `runs` where
+# a lane has none; entry: where each atom's entries begin, and the last's end; passing: what `taps` is without faults;
+# counts: (wires, blocks, runs) of int32 and came: (watched, runs + 1), both to be added to.
+
+ENTRY = ("keep", "turn", "keep_at", "turn_at", "size")  # an atom at a point, 8 bytes each; masks and where they go
+PACKED = 0  # a size: the lanes are the bits of one number
+SUM = 2  # bytes of a lane's count before it goes out
+
+
+class Driver:
+    """Writes `run(parameters)` for a kernel."""
+
+    def __init__(self, kernel: Kernel) -> None:
+        self.kernel = kernel
+        self.k = k = Routine(kernel.target, "run", ["ptr %parameters"])
+        self.given = {
+            name: k.load("i64" if name in NUMBERS else "ptr", "%parameters", 8 * i, align=8)
+            for i, name in enumerate(PARAMETERS)
+        }
+        self.stride = k.op(f"mul i64 {self.given['groups']}, {k.lanes}")
+        self.now, self.next = k.local("i64", 0), k.local("i64", 0)
+        self.active, self.base = k.local("i64", 0), k.local("i64", 0)
+        self.before, self.after = k.local("ptr", self.given["state"]), k.local("ptr", self.given["other"])
+        self.check, self.gap = k.local("i64", 0), k.local("i64", 1)
+        self.block, self.counted = k.local("i64", 0), k.local("i64", 0)
+        self.touched = k.local("i1", 0)
+        self.missed = [k.local("i32", NEVER) for _ in range(kernel.watched)]
+
+    def write(self) -> Routine:
+        """The whole function."""
+        k, total = self.k, self.given["total"]
+        with k.each(0, self.given["groups"]) as group:
+            self.base.set(k.op(f"mul i64 {group}, {k.lanes}"))
+            self._begin()
+            with k.while_(lambda: k.is_("slt", "i64", self.now.value, total)):
+                with k.when(k.is_("eq", "i64", self.now.value, self.next.value)):
+                    self._change()
+                    self._compare_from_now()
+                idle = k.op(f"and i1 {self._prunes()}, {k.is_('eq', 'i64', self.active.value, 0)}")
+                due = k.is_("sge", "i64", self.now.value, self.check.value)
+                with k.when(k.op(f"and i1 {idle}, {due}")):
+                    self._compare()
+                stay = k.is_("ne", "i64", self.now.value, self.next.value)
+                with k.when(k.op(f"and i1 {stay}, {k.is_('slt', 'i64', self.now.value, total)}")):
+                    self._step()
+            self._finish()
+        return k
+
+    def _prunes(self) -> str:
+        return self.k.is_("ne", "i64", self.given["prune"], 0)
+
+    def _row(self) -> str:
+        size = self.kernel.row.type.itemsize
+        return self.k.at(self.given["rows"], self.k.op(f"mul i64 {self.now.value}, {size}"))
+
+    def _field(self, row: str, name: str) -> str:
+        return self.k.load("i32", row, self.kernel.row.offset(name))
+
+    def _of_lane(self, name: str, place: str, lane: str) -> str:
+        """A number of a lane's fault."""
+        k = self.k
+        row = k.op(f"mul i64 {place}, {self.stride}")
+        index = k.op(f"add i64 {k.op(f'add i64 {row}, {self.base.value}')}, {lane}")
+        return k.op(f"sext i32 {k.load('i32', k.element(self.given[name], 'i32', index), align=4)} to i64")
+
+    # --- through time ----------------------------------------------------------------------------------------------
+
+    def _begin(self) -> None:
+        """At the first event, or with the run where nothing is left out."""
+        k = self.k
+        self.counted.set(0)
+        for i, missed in enumerate(self.missed):
+            missed.set(NEVER)
+            k.store("i64", 0, self.given["ever"], i * WORD)
+        self.active.set(0)
+        self.now.set(0)
+        self.next.set(0)
+        with k.when(self._prunes()):
+            self.next.set(NEVER)
+            with k.each(0, self.given["wide"]) as place, k.each(0, k.lanes) as lane:
+                begins = self._of_lane("first", place, lane)
+                with k.when(k.is_("slt", "i64", begins, self.next.value)):
+                    self.next.set(begins)
+            self._leap()
+        self._restore()
+
+    def _leap(self) -> None:
+        """To the next event or the end; what the fault-free run shows first in between, each lane shows."""
+        k, total = self.k, self.given["total"]
+        earlier = k.is_("slt", "i64", self.next.value, total)
+        target = k.op(f"select i1 {earlier}, i64 {self.next.value}, i64 {total}")
+        here = self._row()
+        self.now.set(target)
+        there = self._row()  # one row stands behind the last
+        for i, missed in enumerate(self.missed):
+            comes = self._field(here, f"next{i}")
+            within = k.is_("slt", "i32", comes, self._field(there, "frame"))
+            sooner = k.is_("slt", "i32", comes, missed.value)
+            with k.when(k.op(f"and i1 {within}, {sooner}")):
+                missed.set(comes)
+
+    def _restore(self) -> None:
+        self.k.run("@restore", f"ptr {self.before.value}", f"ptr {self._row()}")
+        self._compare_from_now()
+
+    def _compare_from_now(self) -> None:
+        self.check.set(self.now.value)
+        self.gap.set(1)
+
+    def _compare(self) -> None:
+        """Leap when all lanes are as the fault-free run is; else wait twice as long."""
+        k, kind = self.k, f"i{self.k.lanes}"
+        apart = k.op(f"call {kind} @diverged(ptr {self.before.value}, ptr {self._row()})")
+        self.check.set(k.op(f"add i64 {self.now.value}, {self.gap.value}"))
+        longer = k.op(f"shl i64 {self.gap.value}, 1")
+        self.gap.set(k.op(f"select i1 {k.is_('sgt', 'i64', longer, SELDOM)}, i64 {SELDOM}, i64 {longer}"))
+        with k.when(k.is_("eq", kind, apart, 0)):
+            self._flush()
+            self._leap()
+            self._restore()
+
+    def _step(self) -> None:
+        k = self.k
+        row = self._row()
+        seen = [f"ptr {x}" for x in (self.before.value, self.after.value, row, self.given["seen"])]
+        masked = k.op(f"xor i1 {self._prunes()}, true")
+        masked = k.op(f"or i1 {masked}, {k.is_('ne', 'i64', self.active.value, 0)}")
+        with k.when(masked):
+            k.run("@faulty", *seen, f"ptr {self.given['taps']}")
+        with k.when(k.op(f"xor i1 {masked}, true")):
+            k.run("@healthy", *seen)
+        before = self.before.value
+        self.before.set(self.after.value)
+        self.after.set(before)
+        ends = self._field(row, "tally")
+        with k.when(k.is_("ne", "i32", ends, 0)):
+            self._tally(row)
+            self.counted.add(1)
+            full = k.is_("sge", "i64", self.counted.value, MOST_COUNTED)
+            with k.when(k.op(f"or i1 {full}, {k.is_('eq', 'i32', ends, 2)}")):
+                self._flush()
+        self.now.add(1)
+
+    def _finish(self) -> None:
+        """Masks away, counts out."""
+        k = self.k
+        self._flush()
+        with k.when(k.is_("ne", "i64", self.active.value, 0)):
+            k.intrinsics.add("declare void @llvm.memcpy.p0.p0.i64(ptr, ptr, i64, i1)")
+            whole = f"ptr {self.given['taps']}, ptr {self.given['passing']}, i64 {self.kernel.taps.size}"
+            k.lines.append(f"call void @llvm.memcpy.p0.p0.i64({whole}, i1 false)")
+        for i, missed in enumerate(self.missed):
+            with k.when(k.is_("ne", "i32", missed.value, NEVER)), k.each(0, k.lanes) as lane:
+                self._came(i, lane, missed.value)
+
+    # --- what is seen ----------------------------------------------------------------------------------------------
+
+    def _tally(self, row: str) -> None:
+        """At the end of a frame: where an observed wire is not as in the fault-free run, and where first true."""
+        k, kind = self.k, f"i{self.k.lanes}"
+        self.block.set(k.op(f"sext i32 {self._field(row, 'block')} to i64"))
+        for i in range(len(self.kernel.wires)):
+            seen = k.load(kind, self.given["seen"], i * WORD)
+            golden = k.op(f"trunc i8 {k.load('i8', row, self.kernel.row.offset(f'wire{i}'))} to i1")
+            if i in self.kernel.counted:
+                other = k.op(f"xor {kind} {seen}, {k.op(f'sext i1 {golden} to {kind}')}")
+                with k.when(k.is_("ne", kind, other, 0)):
+                    self._count(i, other, k.op(f"select i1 {golden}, i16 -1, i16 1"))
+            if i < self.kernel.watched:
+                ever = k.load(kind, self.given["ever"], i * WORD)
+                new = k.op(f"and {kind} {seen}, {k.op(f'xor {kind} {ever}, -1')}")
+                with k.when(k.is_("ne", kind, new, 0)):
+                    k.store(kind, k.op(f"or {kind} {ever}, {new}"), self.given["ever"], i * WORD)
+                    with k.each_bit(new) as lane:
+                        self._came(i, lane, self._field(row, "frame"))
+
+    def _count(self, wire: int, lanes: str, more: str) -> None:
+        """Add to the counts of some lanes."""
+        k, kind = self.k, f"<{self.k.lanes} x i16>"
+        place = self.kernel.counted.index(wire) * SUM * k.lanes
+        chosen = k.op(f"bitcast i{k.lanes} {lanes} to <{k.lanes} x i1>")
+        step = k.op(f"select <{k.lanes} x i1> {chosen}, {kind} {k.spread('i16', more)}, {kind} zeroinitializer")
+        k.store(kind, k.op(f"add {kind} {k.load(kind, self.given['sums'], place)}, {step}"), self.given["sums"], place)
+
+    def _flush(self) -> None:
+        """The counts of this block go out, where there are any."""
+        k, kind, blocks, runs = self.k, f"<{self.k.lanes} x i16>", self.given["blocks"], self.given["runs"]
+        self.counted.set(0)
+        for position in range(len(self.kernel.counted)):
+            sums = k.at(self.given["sums"], position * SUM * k.lanes)
+            some = k.op(f"icmp ne {kind} {k.load(kind, sums)}, zeroinitializer")
+            with k.each_bit(k.op(f"bitcast <{k.lanes} x i1> {some} to i{k.lanes}")) as lane:
+                block = k.op(f"add i64 {k.op(f'mul i64 {blocks}, {position}')}, {self.block.value}")
+                index = k.op(f"add i64 {k.op(f'mul i64 {block}, {runs}')}, {self._column(lane)}")
+                place, own = k.element(self.given["counts"], "i32", index), k.element(sums, "i16", lane)
+                more = k.op(f"sext i16 {k.load('i16', own, align=2)} to i32")
+                k.store("i32", k.op(f"add i32 {k.load('i32', place, align=4)}, {more}"), place, align=4)
+                k.store("i16", 0, own, align=2)
+
+    def _came(self, wire: int, lane: str, frame: str) -> None:
+        """A watched wire is true at a frame's end: keep the first."""
+        k = self.k
+        row = k.op(f"mul i64 {k.op('add i64 {}, 1'.format(self.given['runs']))}, {wire}")
+        place = k.element(self.given["came"], "i32", k.op(f"add i64 {row}, {self._column(lane)}"))
+        with k.when(k.is_("slt", "i32", frame, k.load("i32", place, align=4))):
+            k.store("i32", frame, place, align=4)
+
+    def _column(self, lane: str) -> str:
+        k = self.k
+        place = k.element(self.given["column"], "i32", k.op(f"add i64 {self.base.value}, {lane}"))
+        return k.op(f"sext i32 {k.load('i32', place, align=4)} to i64")
+
+    # --- masks -----------------------------------------------------------------------------------------------------
+
+    def _change(self) -> None:
+        """The masks of the lanes that have an event at this step, and when the next event is."""
+        k, now, wide = self.k, self.now, self.given["wide"]
+        self.next.set(NEVER)
+        self.active.set(0)
+        with k.each(0, k.lanes) as lane:
+            self.touched.set(0)
+            with k.each(0, wide) as place:
+                window = self._of_lane("first", place, lane), self._of_lane("end", place, lane)
+                for event in window:
+                    self.touched.set(k.op(f"or i1 {self.touched.value}, {k.is_('eq', 'i64', event, now.value)}"))
+                    later = k.is_("sgt", "i64", event, now.value)
+                    with k.when(k.op(f"and i1 {later}, {k.is_('slt', 'i64', event, self.next.value)}")):
+                        self.next.set(event)
+                self.active.add(k.op(f"zext i1 {self._acts(*window)} to i64"))
+            with k.when(self.touched.value):
+                with k.each(0, wide) as place:
+                    begun = k.is_("sle", "i64", self._of_lane("first", place, lane), now.value)
+                    self._masks(begun, place, lane, "@pass")
+                with k.each(0, wide) as place:
+                    window = self._of_lane("first", place, lane), self._of_lane("end", place, lane)
+                    self._masks(self._acts(*window), place, lane, "@mask")
+
+    def _acts(self, begins: str, ends: str) -> str:
+        k, now = self.k, self.now.value
+        return k.op(f"and i1 {k.is_('sle', 'i64', begins, now)}, {k.is_('slt', 'i64', now, ends)}")
+
+    def _masks(self, condition: str, place: str, lane: str, function: str) -> None:
+        """Call a function on each entry of a lane's fault."""
+        k = self.k
+        with k.when(condition):
+            atom = k.element(self.given["entry"], "i64", self._of_lane("atoms", place, lane))
+            with k.each(k.load("i64", atom), k.load("i64", atom, 8)) as i:
+                entry = k.at(self.given["entries"], k.op(f"mul i64 {i}, {8 * len(ENTRY)}"))
+                k.run(function, f"ptr {self.given['taps']}", f"ptr {entry}", f"i64 {lane}")
+
+
+def masking(kernel: Kernel) -> list[Routine]:
+    """`mask(taps, entry, lane)`: an atom's mask on what is there already; `pass(...)`: none any more."""
+    return [_masking(kernel, "mask"), _masking(kernel, "pass")]
+
+
+def _masking(kernel: Kernel, name: str) -> Routine:
+    k = Routine(kernel.target, name, ["ptr %taps", "ptr %entry", "i64 %lane"])
+    keep, turn, keep_at, turn_at, size = (k.load("i64", "%entry", 8 * i, align=8) for i in range(len(ENTRY)))
+    keep_place, turn_place = k.at("%taps", keep_at), k.at("%taps", turn_at)
+    sizes = [(b, f"i{8 * b}") for b in (1, 2, 4, 8)] + ([(PACKED, f"i{k.lanes}")] if kernel.target.packed else [])
+    for number, kind in sizes:
+        with k.when(k.is_("eq", "i64", size, number)):
+            k_, t_ = (x if kind == "i64" else k.op(f"trunc i64 {x} to {kind}") for x in (keep, turn))
+            if number == PACKED:
+                lane = "%lane" if kind == "i64" else k.op(f"trunc i64 %lane to {kind}")
+                own = k.op(f"shl {kind} 1, {lane}")
+                k_ = k.op(f"or {kind} {k.op(f'shl {kind} {k_}, {lane}')}, {k.op(f'xor {kind} {own}, -1')}")
+                t_ = k.op(f"shl {kind} {t_}, {lane}")
+                places = keep_place, turn_place
+            else:
+                own = "-1"
+                places = k.element(keep_place, kind, "%lane"), k.element(turn_place, kind, "%lane")
+            held, turned = (k.load(kind, place) for place in places)
+            if name == "pass":
+                held = k.op(f"or {kind} {held}, {own}")
+                turned = k.op(f"and {kind} {turned}, {k.op(f'xor {kind} {own}, -1')}")
+            else:
+                held = k.op(f"and {kind} {held}, {k_}")
+                turned = k.op(f"xor {kind} {k.op(f'and {kind} {turned}, {k_}')}, {t_}")
+            k.store(kind, held, places[0])
+            k.store(kind, turned, places[1])
+    return k
+
+
+def recorder(kernel: Kernel) -> Routine:
+    """`golden(rows, total, state, other, seen)`: the fault-free run, a row a step, from the state in the first lane."""
+    k = Routine(kernel.target, "golden", ["ptr %rows", "i64 %total", "ptr %state", "ptr %other", "ptr %seen"])
+    before, after = k.local("ptr", "%state"), k.local("ptr", "%other")
+    with k.each(0, "%total") as step:
+        row = k.at("%rows", k.op(f"mul i64 {step}, {kernel.row.type.itemsize}"))
+        k.run("@record", f"ptr {before.value}", f"ptr {row}")
+        k.run("@healthy", f"ptr {before.value}", f"ptr {after.value}", f"ptr {row}", "ptr %seen")
+        for i in range(len(kernel.wires)):
+            k.store("i8", k.op(f"and i8 {k.load('i8', '%seen', i * WORD)}, 1"), row, kernel.row.offset(f"wire{i}"))
+        x = before.value
+        before.set(after.value)
+        after.set(x)
+    return k

@@ -1,0 +1,153 @@
+"""The engine: batches divided among programs, one for all faults that masks carry, others for faults built in."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+from safety.faults import where
+from safety.inject.engine import NEVER, NONE, Batch, Outcome, Task
+from safety.inject.masks import masks
+from safety.inject.native.program import Program
+from safety.inject.native.tapped import tapped
+from safety.inject.space import CampaignError
+from safety.terms.llvm import Target, host
+from safety.terms.texts import compile_lanes, lane_type
+
+if TYPE_CHECKING:
+    import numpy.typing as npt
+
+    Array = npt.NDArray[Any]
+
+MOST_BUILT_IN = 64
+
+Slot = tuple[int, int]  # a fault that is built in: its row in the batch, its atom
+
+
+class NativeEngine:
+    """Runs batches of a task on native code; see `safety.inject.engine`.
+
+    `prune=False` runs every group from the first step to the last with faults, whatever may be left out; the outcome is
+    the same.  Raises `TermError` for a model that has reals or numbers beyond 64 bits, `CampaignError` for a fault that
+    does not fit its point, `ImportError` without LLVM.
+    """
+
+    name = "native"
+
+    def __init__(self, task: Task, *, prune: bool = True, target: Target | None = None) -> None:
+        self.task, self.prune, self.target = task, prune, target or host()
+        self._masks = [masks(task.system, atom) for atom in task.atoms]
+        self._points = tuple(dict.fromkeys(point for found in self._masks for point in found or ()))
+        self._programs: dict[tuple[tuple[Slot, ...], bool], Program] = {}
+        self._masked = Program(
+            task, tapped(task.system, self._points), [found or {} for found in self._masks], self._stimulus, self.target
+        )
+
+    @cached_property
+    def _stimulus(self) -> Mapping[str, Array]:
+        """Each input of the model, a value a frame."""
+        import numpy as np
+
+        rows = [self.task.inputs(frame) for frame in range(self.task.timing.frames)]
+        return {name: np.array([row[name] for row in rows]) for name in self.task.system.inputs}
+
+    @cached_property
+    def golden(self) -> Outcome:
+        """The fault-free run, as an outcome of one run.
+
+        Raises `CampaignError` when it breaks an assumption of the model.
+        """
+        import numpy as np
+
+        kernel, rows = self._masked.kernel, self._masked.rows[:-1]
+        lanes = [rows[f"v{i}"].astype(lane_type(term)) for i, term in enumerate(kernel.row.given)]
+        for label, assumed in kernel.tapped.without_faults().assumptions.items():
+            (holds,) = compile_lanes(kernel.row.given, [assumed])(*lanes)
+            if not np.all(holds):
+                raise CampaignError(
+                    f"the fault-free run breaks the assumption {label!r} of the model at step {int(np.argmin(holds))}: "
+                    "choose a stimulus that keeps it"
+                )
+        return self._masked.golden
+
+    def run(self, batch: Batch) -> Outcome:
+        """Run a batch; the order of its columns is free, and kept."""
+        import numpy as np
+
+        golden = self.golden
+        bare = np.array([found is None for found in self._masks] + [False])  # the last stands for NONE
+        special = bare[batch.atoms].any(axis=0)
+        if not special.any():
+            return self._masked.run(batch, prune=self.prune)
+        counts = {name: np.repeat(array, batch.runs, axis=1) for name, array in golden.counts.items()}
+        first = {name: np.full(batch.runs, NEVER, np.int32) for name in self.task.watch}
+        for program, columns, atoms in self._parts(batch, special):
+            part = Batch(atoms, batch.first[:, columns], batch.end[:, columns])
+            seen = program.run(part, prune=self.prune)
+            for name in counts:
+                counts[name][:, columns] = seen.counts[name]
+            for name in first:
+                first[name][columns] = seen.first[name]
+        return Outcome(counts, first)
+
+    def _parts(self, batch: Batch, special: Array) -> Iterator[tuple[Program, Array, Array]]:
+        """Programs with the columns that run on them, and the atoms of these columns as the program numbers them."""
+        import numpy as np
+
+        plain = np.flatnonzero(~special)
+        if len(plain):
+            yield self._masked, plain, batch.atoms[:, plain]
+        columns = np.flatnonzero(special)
+        kinds, which = np.unique(batch.atoms[:, columns], axis=1, return_inverse=True)
+        which = which.ravel()
+        slots = [self._slots(atoms) for atoms in kinds.T.tolist()]
+        for chosen, built in _divided(slots):
+            carries = any(len(slots[kind]) < (kinds[:, kind] != NONE).sum() for kind in chosen)
+            program = self._program(tuple(built), carries)
+            number = {slot: len(self.task.atoms) + i for i, slot in enumerate(built)}
+            local = kinds[:, chosen].copy()
+            for position, kind in enumerate(chosen):
+                for row, atom in slots[kind]:
+                    local[row, position] = number[row, atom]
+            place = np.full(kinds.shape[1], -1)
+            place[chosen] = np.arange(len(chosen))
+            here = place[which] >= 0
+            yield program, columns[here], local[:, place[which[here]]]
+
+    @cached_property
+    def _where(self) -> list[frozenset[str]]:
+        """The points or registers of each atom."""
+        return [frozenset(where(self.task.system, atom)) for atom in self.task.atoms]
+
+    def _slots(self, atoms: Sequence[int]) -> list[Slot]:
+        """Which faults of a run are built in: those without a mask, and what shares their points.
+
+        Faults at one point act in the order of their rows, which a mask behind a fault built in could not keep.
+        """
+        there = [(row, atom) for row, atom in enumerate(atoms) if atom != NONE]
+        taken = frozenset().union(*(self._where[atom] for _, atom in there if self._masks[atom] is None))
+        return [slot for slot in there if self._where[slot[1]] & taken]
+
+    def _program(self, slots: tuple[Slot, ...], carries: bool) -> Program:
+        """The program with these faults built in, in the order of their rows; with masks too where it `carries` some."""
+        if (slots, carries) not in self._programs:
+            faults = [self.task.atoms[atom] for _, atom in slots]
+            system = tapped(self.task.system, self._points if carries else (), faults)
+            acts = [*(found or {} if carries else {} for found in self._masks), *range(len(slots))]
+            self._programs[slots, carries] = Program(self.task, system, acts, self._stimulus, self.target)
+        return self._programs[slots, carries]
+
+
+def _divided(slots: Sequence[list[Slot]]) -> Iterator[tuple[list[int], list[Slot]]]:
+    """Which runs go together, so that few faults have to be built in for them, and which these are."""
+    chosen: list[int] = []
+    built: set[Slot] = set()
+    for i, more in enumerate(slots):
+        if chosen and len(built | set(more)) > MOST_BUILT_IN:
+            yield chosen, sorted(built)
+            chosen, built = [], set()
+        chosen.append(i)
+        built |= set(more)
+    if chosen:
+        yield chosen, sorted(built)

@@ -1,0 +1,128 @@
+"""The native functions of one step: with faults, without, and what a run needs around them.
+
+All lanes read the same row of the fault-free run, which has the inputs of the step, and the registers before it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+from safety.inject.kernel import live_states
+from safety.inject.native.layout import Block, Row
+from safety.inject.native.routine import Routine
+from safety.inject.native.tapped import Tapped
+from safety.system import State, System
+from safety.terms.column_native import bit_type, lane_vector
+from safety.terms.graph import BIT, variable, variables
+from safety.terms.llvm import Target
+from safety.terms.native import bytes_of
+
+WORD = 8  # bytes of an observed wire of all lanes, as a whole number
+STEP = ("ptr noalias %before", "ptr noalias %after", "ptr noalias %row", "ptr noalias %seen")
+UNUSED = variable("unused", BIT)  # a place among the taps for what a switch has no use for
+
+
+@dataclass(frozen=True)
+class Kernel:
+    """A step of a system that observes wires, with faults.
+
+    Of the observed `wires`, the first `watched` are for their first true frame, those at `counted` to be counted.
+    """
+
+    tapped: Tapped
+    wires: Sequence[str]
+    watched: int
+    counted: Sequence[int]
+    target: Target
+
+    @cached_property
+    def registers(self) -> tuple[State, ...]:
+        """The registers that an observed wire, or an assumption, depends on at some time."""
+        system = self.tapped.system
+        roots = [*(system.lookup(wire) for wire in self.wires), *system.assumptions.values()]
+        return tuple(live_states(system.states, variables(roots)))
+
+    @cached_property
+    def state(self) -> Block:
+        """The lanes of the registers."""
+        return Block([s.var for s in self.registers], self.target)
+
+    @cached_property
+    def taps(self) -> Block:
+        """The lanes of what faults set."""
+        return Block([*self.tapped.taps, UNUSED], self.target)
+
+    @cached_property
+    def row(self) -> Row:
+        """The fault-free run as this kernel reads it."""
+        inputs = self.tapped.system.inputs.values()
+        return Row([*(s.var for s in self.registers), *inputs], self.watched, len(self.wires))
+
+    # --- functions -------------------------------------------------------------------------------------------------
+
+    def faulty(self) -> Routine:
+        """`faulty(before, after, row, seen, taps)`: a step with faults."""
+        k = Routine(self.target, "faulty", [*STEP, "ptr noalias %taps"])
+        for term in self.tapped.taps:
+            k.names[term.uid] = k.load_lanes(term, "%taps", self.taps.offsets[term.uid])
+        return self._step(k, self.tapped.system)
+
+    def healthy(self) -> Routine:
+        """`healthy(before, after, row, seen)`: a step without faults."""
+        return self._step(Routine(self.target, "healthy", STEP), self.tapped.without_faults())
+
+    def _step(self, k: Routine, system: System) -> Routine:
+        for s in self.registers:
+            k.names[s.var.uid] = k.load_lanes(s.var, "%before", self.state.offsets[s.var.uid])
+        for term in system.inputs.values():
+            k.names[term.uid] = k.load_spread(term, "%row", self.row.places[term.uid])
+        for i, wire in enumerate(self.wires):
+            k.write([system.lookup(wire)])
+            k.store(f"i{k.lanes}", k.as_number(k.of(system.lookup(wire))), "%seen", i * WORD)
+        for s in self.registers:
+            following = system.state[s.path].next
+            k.write([following])
+            k.store_lanes(s.var, k.of(following), "%after", self.state.offsets[s.var.uid])
+        return k
+
+    def restore(self) -> Routine:
+        """`restore(state, row)`: every lane as the fault-free run is."""
+        k = Routine(self.target, "restore", ["ptr noalias %state", "ptr noalias %row"])
+        for s in self.registers:
+            k.store_lanes(s.var, self._golden(k, s), "%state", self.state.offsets[s.var.uid])
+        return k
+
+    def diverged(self) -> Routine:
+        """`diverged(state, row)`: the lanes that are not as the fault-free run is."""
+        k = Routine(self.target, "diverged", ["ptr noalias %state", "ptr noalias %row"], f"i{self.target.lanes}")
+        apart: dict[str, str] = {}  # what differs, collected by type
+        for s in self.registers:
+            kind = lane_vector(k, s.var)
+            now = k.load_lanes(s.var, "%state", self.state.offsets[s.var.uid])
+            other = k.op(f"xor {kind} {now}, {self._golden(k, s)}")
+            apart[kind] = k.op(f"or {kind} {apart[kind]}, {other}") if kind in apart else other
+        total, whole = "0", f"i{k.lanes}"
+        for kind, other in apart.items():
+            if kind == bit_type(k):
+                lanes = k.as_number(other)
+            else:
+                lanes = k.op(f"bitcast <{k.lanes} x i1> {k.op(f'icmp ne {kind} {other}, zeroinitializer')} to {whole}")
+            total = k.op(f"or {whole} {total}, {lanes}")
+        k.lines.append(f"ret {whole} {total}")
+        return k
+
+    def _golden(self, k: Routine, s: State) -> str:
+        return k.load_spread(s.var, "%row", self.row.places[s.var.uid])
+
+    def record(self) -> Routine:
+        """`record(state, row)`: the first lane as the fault-free run."""
+        k = Routine(self.target, "record", ["ptr noalias %state", "ptr noalias %row"])
+        for s in self.registers:
+            offset, kind = self.state.offsets[s.var.uid], f"i{8 * bytes_of(s.var)}"
+            value = k.load(kind, "%state", offset)  # the lowest bit is the first lane's, packed or not
+            if s.var.sort == BIT:
+                value = k.op(f"and i8 {value}, 1")
+            k.store(kind, value, "%row", self.row.places[s.var.uid])
+        return k

@@ -1,0 +1,154 @@
+"""A model's claims, each ready for questions about all mutants of the model at once."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import cast
+
+from safety.faults import Faulted
+from safety.prove.claims import PROVED, REFUTED, Claim
+from safety.prove.engines.engine import in_integers, uses_reals
+from safety.prove.mutation import Mutants, mutants_of
+from safety.prove.mutation_drive import Drive
+from safety.prove.mutation_questions import cone, still_proved, with_open_power_up
+from safety.prove.mutation_runs import Course, breaks, courses, only, single
+from safety.prove.problem import Problem, build_problem
+from safety.prove.refinement import build_refinement
+from safety.prove.synthesis.synthesise import synthesise
+from safety.terms import Bit, all_of, bit
+
+SYNTHESIS = 30.0  # seconds for finding the lemmas of a claim
+
+
+@dataclass(eq=False)
+class Case:
+    """A claim with all mutants of its model."""
+
+    claim: Claim
+    mutants: Mutants
+    timeout: float
+
+    @cached_property
+    def stated(self) -> Problem:
+        """The claim's problem, about the mutant that SELECTOR says."""
+        build = build_refinement if self.claim.refinement is not None else build_problem
+        return build(self.claim, change=self.mutants.for_claim)
+
+    @cached_property
+    def as_written(self) -> Problem:
+        """The claim's problem without mutants."""
+        return single(self.stated, None)
+
+    @cached_property
+    def integers(self) -> bool:
+        """Whether obligations are read in integers."""
+        return in_integers(self.as_written)
+
+    @property
+    def unconditional(self) -> bool:
+        """Whether the claim is about all runs of the healthy model, step by step."""
+        claim = self.claim
+        by_steps = claim.steps_per_frame == 1 and claim.refinement is None
+        return claim.given is None and claim.start is None and not claim.settings and by_steps
+
+    @cached_property
+    def sees(self) -> set[int]:
+        """The mutants that the claim depends on."""
+        numbers, registers = cone(self.problem)
+        return numbers | {m.number for m in self.mutants.mutants if m.power_up and m.power_up[0] in registers}
+
+    @cached_property
+    def courses(self) -> list[Course]:
+        """The runs that the claim is known by."""
+        return list(courses(self.as_written, uses_reals(self.as_written), self.timeout))
+
+    @cached_property
+    def problem(self) -> Problem:
+        """The same with lemmas that the tool finds where the claim brings none and is not proved without."""
+        problem = self.stated
+        if problem.lemmas or self.claim.expect != PROVED or still_proved(problem, (), self.integers, self.timeout):
+            return problem
+        return replace(problem, lemmas=synthesise(self.as_written, SYNTHESIS).lemmas)
+
+    def some(self, numbers: Collection[int]) -> Problem:
+        """The problem of a few mutants, with what their registers hold at power-up."""
+        return with_open_power_up(only(self.problem, numbers), [self.mutants[n] for n in sorted(numbers) if n])
+
+
+def judged(claims: Sequence[Claim]) -> list[Claim]:
+    """The claims that can notice a mutant: those that are proved or refuted as written."""
+    return [claim for claim in claims if claim.expect in (PROVED, REFUTED)]
+
+
+def mutants_for(claims: Sequence[Claim]) -> Mutants:
+    """The mutants of the model that some claims are about; parameters that one of them changes are left open."""
+    return mutants_of(claims[0].model, sorted({path for c in claims for path in (*c.symbolic, *c.settings)}))
+
+
+class Subject:
+    """A model with the claims on it, ready to examine mutants of it; `timeout` in seconds for each question."""
+
+    def __init__(self, claims: Sequence[Claim], timeout: float = 20.0) -> None:
+        self.timeout = timeout
+        self.claims = judged(claims)
+        self.mutants = mutants_for(self.claims)
+        self.open = {path for c in self.claims for path in (*c.symbolic, *c.settings)}
+        cases = [Case(c, self.mutants, timeout) for c in self.claims]
+        self.proved = [case for case in cases if case.claim.expect == PROVED]
+        self.refuted = [case for case in cases if case.claim.expect == REFUTED]
+        self.panels = panels(self.proved)
+
+    def healthy(self, numbers: Collection[int]) -> Problem:
+        """These mutants of the healthy model, in all its runs: a problem that claims nothing."""
+        system = self.mutants.some(numbers)
+        given = all_of(system.start, *(cast(Bit, a) for a in system.assumptions.values()))
+        faulted = Faulted(system, (), (), (), ())
+        return Problem(self.claims[0], system, faulted, bit(True), (), given, system.start, {})
+
+
+# --- claims side by side ----------------------------------------------------------------------------------------------
+
+
+@dataclass(eq=False)
+class Panel:
+    """Claims that assume the same, as one problem that holds where all of them do: one run tells of all at once."""
+
+    cases: list[Case]
+
+    @cached_property
+    def problem(self) -> Problem:
+        """The problem of all of them, about the mutant that SELECTOR says; without lemmas."""
+        first = self.cases[0]
+        if len(self.cases) == 1:
+            return replace(first.stated, lemmas={})
+        formulas = [case.claim.formula for case in self.cases]
+        whole = replace(first.claim, formula=lambda s: all_of(*(f(s) for f in formulas)), lemmas=())
+        return build_problem(whole, change=first.mutants.for_claim)
+
+    @cached_property
+    def drive(self) -> Drive:
+        """Runs for it, beginning with those that its claims are known by."""
+        return Drive(self.problem, [(list(c.as_written.system.inputs), k) for c in self.cases for k in c.courses])
+
+    def broken_by(self, number: int, course: Course, step: int) -> Case | None:
+        """The claim that a mutant breaks at a step of a course, on the Python reading; None where none is."""
+        for case in self.cases:
+            if breaks(single(only(case.stated, {number}), case.mutants[number]), course, step):
+                return case
+        return None
+
+
+def panels(cases: Sequence[Case]) -> list[Panel]:
+    """The claims in groups, by what they assume."""
+    found: list[tuple[tuple[object, ...], list[Case]]] = []
+    for case in cases:
+        c = case.claim
+        key = (c.faults, c.given, c.start, c.symbolic, c.settings, c.anywhere, c.steps_per_frame, c.refinement)
+        alike = next((some for known, some in found if known == key and c.refinement is None), None)
+        if alike is None:
+            found.append((key, [case]))
+        else:
+            alike.append(case)
+    return [Panel(some) for _, some in found]
