@@ -1,4 +1,4 @@
-"""Where proof and simulation meet: each single fault of a campaign is proved harmless, or simulated, and never both ways.
+"""Where proof and simulation meet: each single fault of a campaign is proved harmless, or left to simulation.
 
 A campaign names claims and hazards whose violation its wrong side is (`Campaign(proofs=[...])`).  Such a proof covers a
 fault when its own fault can do at least as much: at the same points or more, byzantine or of the same effect, with an
@@ -13,14 +13,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
-from safety.faults import ANY_TIME, FROM_START, Fault, Kind, Seat, expand, matching
+from safety.faults import ANY_TIME, FROM_START, Fault, expand, matching
 from safety.inject.space import CampaignError, Space, scheduled
+from safety.kinds.kind import POINT, POINTS, Kind, Seat
 from safety.prove.claims import Claim, claim_id
 from safety.system import System, nearest
-from safety.terms.graph import Sort, variable
-from safety.terms.values import bit
+from safety.terms import Bit
+from safety.terms.graph import BIT, Sort, Term, variable
 
 if TYPE_CHECKING:
     from safety.inject import Campaign, Result
@@ -32,26 +33,43 @@ WRONG = "wrong/"
 
 
 def covers(wide: Fault, narrow: Fault, system: System) -> bool:
-    """Whether whatever `narrow` can do in a run, `wide` can do in a proof."""
-    where = set(matching(system, wide.points))
-    if not set(matching(system, narrow.points)) <= where:
+    """Whether whatever `narrow` can do in a run, `wide` can do in a proof; false where that is not plain to see."""
+    if wide.kind.place != POINT or narrow.kind.place not in (POINT, POINTS):
         return False
-    if wide.kind.name == "byzantine":
+    where, inside = (set(matching(system, fault.points)) for fault in (wide, narrow))
+    sorts = [system.points[point].sort for point in where]
+    if not inside <= where or any(sort.kind not in wide.kind.sorts for sort in sorts):
+        return False
+    if all(_is_free(wide.kind, sort) for sort in sorts):
         return True
-    same = where == set(matching(system, narrow.points)) and all(
-        _effect(wide.kind, system.points[p].sort) == _effect(narrow.kind, system.points[p].sort) for p in where
-    )
+    if narrow.kind.place != POINT or inside != where or not all(_alike(wide.kind, narrow.kind, s) for s in sorts):
+        return False
     if wide.onset == ANY_TIME:
-        return same and narrow.onset in (FROM_START, ANY_TIME)
-    return same and wide.onset == narrow.onset and (wide.ticks or 0) >= (narrow.ticks or 0)
+        return narrow.onset in (FROM_START, ANY_TIME)
+    return wide.onset == narrow.onset and (wide.ticks or 0) >= (narrow.ticks or 0)
 
 
-def _effect(kind: Kind, sort: Sort) -> Any:
-    """What a kind does, as terms: two kinds of one effect give the same."""
-    healthy = variable("healthy value", sort)
-    seat = Seat("probe", bit(True))
-    seen = kind.effect(seat, healthy)
-    return seen.uid, [(s.var.uid, s.next.uid, s.power_up) for s in seat.states], sorted(seat.inputs)
+def _is_free(kind: Kind, sort: Sort) -> bool:
+    """Whether a kind shows any value at every step: then it shows the healthy one too, so its onset does not matter."""
+    seat, seen = _probe(kind, sort)
+    return not seat.states and [term.uid for term in seat.inputs.values()] == [seen.uid]
+
+
+def _alike(kind: Kind, other: Kind, sort: Sort) -> bool:
+    """Whether two kinds have one effect: the same terms, registers and choices."""
+    if sort.kind not in other.sorts:
+        return False
+    probes = [_probe(each, sort) for each in (kind, other)]  # kept: equal terms are one only as long as they live
+    told = [
+        (seen.uid, [(s.var.uid, s.next.uid, s.power_up) for s in seat.states], sorted(seat.inputs))
+        for seat, seen in probes
+    ]
+    return told[0] == told[1]
+
+
+def _probe(kind: Kind, sort: Sort) -> tuple[Seat, Term]:
+    seat = Seat("probe", cast(Bit, variable("probe active", BIT)))
+    return seat, kind.effect(seat, variable("healthy value", sort))
 
 
 def covering(claim: Claim, campaign: Campaign) -> dict[int, str]:

@@ -6,14 +6,13 @@ import ast
 import re
 from typing import Any
 
-from safety import faults as kinds
 from safety.commands import CommandError
 from safety.faults import ANY_TIME, FROM_START, TRANSIENT, Fault, Kind
+from safety.kinds import makers
 from safety.model import Model
 from safety.project import Project
 from safety.system import nearest
 
-KINDS = ("stuck", "flip", "frozen", "delayed", "missing", "extra", "open_circuit", "welded", "byzantine")
 _FAULT = re.compile(r"(?P<kind>.+?)@(?P<points>[^:]+)(?::(?P<at>\d+)(?:\+(?P<ticks>\d+))?)?")
 
 
@@ -46,18 +45,25 @@ def fault(text: str) -> Fault:
 def _kind(text: str, whole: str) -> Kind:
     """A kind from its call in words; only names of kinds and plain values are read, nothing is executed."""
     try:
-        call: Any = ast.parse(text, mode="eval").body
-        name = getattr(call, "func", call).id
-        args = [ast.literal_eval(arg) for arg in getattr(call, "args", ())]
-        keywords = {one.arg: ast.literal_eval(one.value) for one in getattr(call, "keywords", ())}
+        return _made(ast.parse(text, mode="eval").body, whole)
     except (SyntaxError, ValueError, AttributeError):
         raise CommandError(
             f"--fault {whole!r}: {text!r} is no fault kind; write e.g. stuck(0), flip(bit=3), byzantine"
         ) from None
-    if name not in KINDS:
-        raise CommandError(f"--fault {whole!r}: there is no kind {name!r}; {nearest(name, KINDS)}")
+
+
+def _made(call: Any, whole: str) -> Kind:
+    """The kind of a call; an argument is a plain value, or the call of another kind."""
+
+    def value(argument: ast.expr) -> Any:
+        return _made(argument, whole) if isinstance(argument, ast.Call) else ast.literal_eval(argument)
+
+    name, known = getattr(call, "func", call).id, makers()
+    args = [value(arg) for arg in getattr(call, "args", ())]
+    keywords = {one.arg: value(one.value) for one in getattr(call, "keywords", ())}
+    if name not in known:
+        raise CommandError(f"--fault {whole!r}: there is no kind {name!r}; {nearest(name, known)}")
     try:
-        kind: Kind = getattr(kinds, name)(*args, **keywords)
+        return known[name](*args, **keywords)
     except TypeError as error:
         raise CommandError(f"--fault {whole!r}: {error}") from None
-    return kind

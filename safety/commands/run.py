@@ -2,7 +2,7 @@
 
 Inputs are constants (NAME=VALUE) or rows of a CSV file whose head names them; what the file lacks is taken from the
 constants.  A fault is KIND@POINT, with :AT for its first step and +TICKS for its length.  Kinds: stuck(0), stuck(1,
-bit=3), flip(), frozen, delayed(2), missing(3), extra, open_circuit, welded, byzantine (which reads 0 or false here).
+bit=3), flip(), frozen, delayed(2), drift(1), clock_stop@PART, bridge(0)@POINT+POINT and more: docs/fault_kinds.md.
 """
 
 from __future__ import annotations

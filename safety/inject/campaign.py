@@ -51,7 +51,8 @@ class Campaign:
 
     `expect`: counts of classes or of `direction/detected` cells.  `engine`: "auto", "native" or "lanes".  Faults that
     come to the same by construction are run once (`collapsing`); `audit` runs all and compares.  `target_coverage`: what
-    the lower bound of the diagnostic coverage has to reach, exact, e.g. "9/10" or "0.9".
+    the lower bound of the diagnostic coverage has to reach, exact, e.g. "9/10" or "0.9".  `proofs`: claims and hazards
+    whose violation the wrong side is; the single faults that they cover are closed by proof (`safety.closure`).
     """
 
     id: str
@@ -86,6 +87,7 @@ class Campaign:
     collapsing: bool = True
     audit: bool = False
     target_coverage: Fraction | str | None = None
+    proofs: Sequence[Callable[..., Any]] = ()
     module: str = ""
 
     def __post_init__(self) -> None:

@@ -6,8 +6,8 @@
     relay,welded,120,15 %,[A] maker's data
 
 Columns: `part` and `mode` as in the groups (`part` alone where it has one group); the rate of the mode as `rate_per_h`
-or in `fit` (1e-9/h); with `share`, the rate is that of the part and the share that of the mode, and the shares of a part
-sum to 1; `source` starts with its tag, [P], [D], [A] or [R].  Further columns are left alone.
+or in `fit` (1e-9/h); with `share`, the rate is that of the part and the share that of the mode, and the shares of a
+part sum to 1; `source` starts with its tag, [P], [D], [A] or [R].  Further columns are left alone.
 """
 
 from __future__ import annotations

@@ -1,67 +1,98 @@
 """Shares of the injections of a campaign, with bounds that fit how these were chosen.
 
-| chosen                                | bounds                                                                     |
-|---------------------------------------|----------------------------------------------------------------------------|
-| all                                   | none: exact                                                                |
-| drawn from all                        | hypergeometric, or for any population where its size is not known          |
-| drawn by group                        | of strata that weigh their injections                                      |
-| in scenarios that were drawn          | Hoeffding's, over the scenarios: injections of one scenario go together    |
-| as far as it came                     | no share at all: what was done first is no random sample                   |
-
-Hoeffding: JASA 58 (1963), theorem 1, for the mean of the scenarios' shares, which lie between 0 and 1.
+| chosen                       | bounds                                                                              |
+|------------------------------|-------------------------------------------------------------------------------------|
+| all                          | none: exact                                                                         |
+| drawn from all               | hypergeometric; of a part whose size is not known, those for any population         |
+| drawn by group               | those of strata that weigh as many injections as they have                          |
+| in scenarios that are drawn  | over the scenarios: what happens under one goes together                            |
+| as far as it came            | no share at all: what was done first is no random sample                            |
 """
 
 from __future__ import annotations
 
-import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from safety.inject.classes import CELLS, Tally
-from safety.inject.statistics import Share, Stratum, share, weighted
+from safety.inject.fmeda import rated
+from safety.inject.space import CampaignError
+from safety.inject.statistics import Share, Stratum, clustered, clustered_ratio, share, weighted
 
 if TYPE_CHECKING:
     from safety.inject.result import Result
 
+Cells = Sequence[str]
 
-def estimate(result: Result, good: Sequence[str], bad: Sequence[str]) -> Share | None:
-    """The share of the cells `good` among these and the cells `bad`; None where there is no case."""
+
+def estimate(result: Result, good: Cells, bad: Cells) -> Share | None:
+    """The share of the cells `good` among these and the cells `bad`, all injections alike; None without a case."""
     space, confidence = result.campaign.space, result.campaign.confidence
-    hits, of = (sum(result.tally[cell] for cell in cells) for cells in (good, (*good, *bad)))
+    hits, of = _sum(result.tally, good), _sum(result.tally, (*good, *bad))
     if result.interrupted or not of:
         return None
     if result.campaign.vary:
-        return _over_scenarios(list(result.by_scenario.values()), good, bad, confidence)
+        scenarios = result.by_scenario.values()
+        goods, bads = ([_part(tally, cells) for tally in scenarios] for cells in (good, bad))
+        return _over_scenarios(goods, bads, confidence)
     if space.by_group and not result.exhaustive:
-        return weighted(_strata(result.groups, space.sizes, good, bad), safe_too=False, confidence=confidence)
+        strata = [
+            Stratum(name, Fraction(space.sizes[name]), t.injections, 0, _sum(t, good), _sum(t, bad), whole)
+            for name, t in result.groups.items()
+            for whole in [t.injections == space.sizes[name]]
+        ]
+        return weighted(strata, safe_too=False, confidence=confidence)
     known = space.population if {*good, *bad} == {*CELLS} else None
     return share(hits, of, exhaustive=result.exhaustive, confidence=confidence, population=known)
 
 
-def _strata(
-    groups: Mapping[str, Tally], sizes: Mapping[str, int], good: Sequence[str], bad: Sequence[str]
-) -> list[Stratum]:
-    return [
-        Stratum(
-            name, Fraction(sizes[name]), tally.injections, 0, sum(tally[c] for c in good), sum(tally[c] for c in bad),
-            tally.injections == sizes[name],
-        )
-        for name, tally in groups.items()
-    ]  # fmt: skip
+def by_rate(result: Result, good: Cells, bad: Cells) -> Share | None:
+    """The same with each group weighing its failure rate; None without rates or without a case.
 
-
-def _over_scenarios(
-    scenarios: Sequence[Tally], good: Sequence[str], bad: Sequence[str], confidence: float
-) -> Share | None:
-    """Bounds on a share in all scenarios that there could be; each scenario has as many injections."""
-    sums = [
-        sum((Fraction(sum(t[c] for c in cells), t.injections) for t in scenarios), Fraction(0)) for cells in (good, bad)
+    Raises `CampaignError` when only some groups have a rate, one has the rate 0, or a sample has none of a group: it
+    would weigh nothing and pass unseen.
+    """
+    campaign, rows = result.campaign, result.rows
+    if result.interrupted or not rows or not rated(rows, campaign.id):
+        return None
+    for row in rows:
+        if not row.tally.injections or not all(tally.injections for tally in row.scenarios):
+            raise CampaignError(
+                f"{campaign.id}: the sample has no fault of group {row.group.name!r}, which has a rate; "
+                "draw more, or inject all"
+            )
+    rates = [row.rate or Fraction(0) for row in rows]
+    if campaign.vary:
+        scenarios = list(zip(*(row.scenarios for row in rows), strict=True))
+        goods, bads = ([_weighed(rates, under, cells) for under in scenarios] for cells in (good, bad))
+        return _over_scenarios(goods, bads, campaign.confidence)
+    strata = [
+        Stratum(row.group.name, rate, row.tally.injections, 0, _sum(row.tally, good), _sum(row.tally, bad), whole)
+        for row, rate in zip(rows, rates, strict=True)
+        for whole in [row.exhaustive]
     ]
-    means = [float(part / len(scenarios)) for part in sums]
-    tails = 2 if {*good, *bad} == {*CELLS} else 4  # of all, the two shares are one; else both have to hold
-    reach = math.sqrt(math.log(tails / (1 - confidence)) / (2 * len(scenarios)))
-    (least, most), (few, many) = ((max(0.0, mean - reach), min(1.0, mean + reach)) for mean in means)
-    if tails == 2:
-        return Share(means[0], least, most)
-    return Share(float(sums[0] / sum(sums)), least / (least + many), most / (most + few) if most + few else 1.0)
+    return weighted(strata, safe_too=False, confidence=campaign.confidence)
+
+
+def _over_scenarios(good: Sequence[Fraction], bad: Sequence[Fraction], confidence: float) -> Share | None:
+    """From the shares of both under each scenario."""
+    goods, bads = sum(good, Fraction(0)), sum(bad, Fraction(0))
+    if not goods + bads:
+        return None
+    of_all = all(g + b == 1 for g, b in zip(good, bad, strict=True))
+    bounds = clustered(good, confidence) if of_all else clustered_ratio(good, bad, confidence)
+    return Share(float(goods / (goods + bads)), *bounds)
+
+
+def _sum(tally: Tally, cells: Cells) -> int:
+    return sum(tally[cell] for cell in cells)
+
+
+def _part(tally: Tally, cells: Cells) -> Fraction:
+    return Fraction(_sum(tally, cells), tally.injections)
+
+
+def _weighed(rates: Sequence[Fraction], tallies: Sequence[Tally], cells: Cells) -> Fraction:
+    parts = (rate * _part(tally, cells) for rate, tally in zip(rates, tallies, strict=True))
+    return sum(parts, Fraction(0)) / sum(rates, Fraction(0))

@@ -37,12 +37,13 @@ UNKNOWN = (Fraction(0), Fraction(1))
 class Row:
     """One failure mode with the outcome of its injections.
 
-    `of`: how many injections there are in all, tried or not.  `at_random`: those tried are a random sample of them,
-    which those of a campaign cut short are not.  `scenarios`: the outcome under each scenario, where these are drawn.
+    `of`: how many injections there are in all, tried or not; None where there is no end of them.  `at_random`: those
+    tried are a random sample, which those of a campaign cut short are not.  `scenarios`: the outcome under each
+    scenario, where these are drawn.
     """
 
     group: Group
-    of: int
+    of: int | None
     tally: Tally
     confidence: float = 0.99
     at_random: bool = True
@@ -107,6 +108,8 @@ class Row:
         found, tried = count(self.tally, name), self.tally.injections
         if self.scenarios:
             return _exactly(clustered(self.shares(RATES[name]), self.confidence)) if self.at_random else UNKNOWN
+        if self.of is None:
+            return _exactly(any_population(found, tried, self.confidence)) if self.at_random else UNKNOWN
         least, greatest = found, self.of - (tried - found)
         if self.at_random and not self.exhaustive:
             least, greatest = hypergeometric_limits(found, tried, self.of, self.confidence)
@@ -120,6 +123,8 @@ class Row:
             return _exactly(clustered_ratio(*shares, self.confidence)) if self.at_random else UNKNOWN
         if self.at_random and not self.exhaustive:
             return _exactly(any_population(found, tried, self.confidence))
+        if self.of is None:
+            return UNKNOWN
         untried = self.of - self.tally.injections
         return Fraction(found, tried + untried), Fraction(found + untried, tried + untried)
 

@@ -11,11 +11,12 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from safety.inject.classes import CELLS, Tally, class_of
 from safety.inject.counting import by_key, latencies, pieces
-from safety.inject.estimates import estimate
-from safety.inject.fmeda import SAFE, Row, rated
+from safety.inject.estimates import by_rate, estimate
+from safety.inject.figures import GOOD
+from safety.inject.fmeda import Row
 from safety.inject.judging import UNMADE, Judged
 from safety.inject.space import CampaignError, Injection
-from safety.inject.statistics import Share, share, weighted
+from safety.inject.statistics import Share, share
 
 if TYPE_CHECKING:
     from safety.inject.campaign import Campaign
@@ -100,13 +101,19 @@ class Result:
     @cached_property
     def rows(self) -> list[Row]:
         """The failure-mode table, a row a group; empty for a campaign of pairs or triples."""
-        campaign, space = self.campaign, self.campaign.space
+        campaign, space, none = self.campaign, self.campaign.space, Tally.of([])
         if campaign.order > 1:
             return []
-        at_random = not self.interrupted and not campaign.vary
-        of = {name: None if campaign.vary else size for name, size in space.sizes.items()}
-        tallies = [(group, self.groups.get(group.name, Tally.of([]))) for group in space.groups]
-        return [Row(group, of[group.name], tally, campaign.confidence, at_random) for group, tally in tallies]
+        scenarios = range(space.scenarios) if campaign.vary else ()
+        return [
+            Row(group, space.sizes[group.name], self.groups.get(group.name, none), campaign.confidence,
+                not self.interrupted, tuple(self._under(scenario, place) for scenario in scenarios))
+            for place, group in enumerate(space.groups)
+        ]  # fmt: skip
+
+    def _under(self, scenario: int, group: int) -> Tally:
+        """Counts of a group in a scenario."""
+        return Tally.numbered(self._by_key.get(scenario * self.campaign.space.group_keys + group, [0] * len(CELLS)))
 
     def cell(self, number: int) -> str:
         """The cell of an injection, e.g. "wrong/no"."""
@@ -133,12 +140,12 @@ class Result:
     @property
     def diagnostic_coverage(self) -> Share | None:
         """Dangerous detected / dangerous, every fault counting alike (IEC 61508-4, 3.8.6)."""
-        return estimate(self, ["wrong/yes"], ["wrong/no"])
+        return estimate(self, GOOD["diagnostic_coverage"], ["wrong/no"])
 
     @property
     def safe_failure_fraction(self) -> Share | None:
         """(safe + dangerous detected) / (safe + dangerous), every fault counting alike (IEC 61508-4, 3.6.15)."""
-        return estimate(self, [*SAFE, "wrong/yes"], ["wrong/no"])
+        return estimate(self, GOOD["safe_failure_fraction"], ["wrong/no"])
 
     @property
     def detected_of_all(self) -> Share | None:
@@ -166,17 +173,7 @@ class Result:
 
         Raises `CampaignError` when only some groups have a rate, one has the rate 0, or a sample has none of a group.
         """
-        if self.interrupted or not self.rows or not rated(self.rows, self.campaign.id):
-            return None
-        for row in self.rows:
-            if not row.tally.injections:
-                raise CampaignError(
-                    f"{self.campaign.id}: the sample has no fault of group {row.group.name!r}, which has a rate; "
-                    "draw more, or inject all"
-                )
-        strata = [row.stratum(exhaustive=row.exhaustive) for row in self.rows]
-        found = weighted(strata, safe_too=safe_too, confidence=self.campaign.confidence)
-        return Share(found.value, 0.0, 1.0) if found and self.campaign.vary else found
+        return by_rate(self, GOOD["safe_failure_fraction" if safe_too else "diagnostic_coverage"], ["wrong/no"])
 
     # --- as declared -----------------------------------------------------------------------------------------------
 

@@ -176,7 +176,7 @@ class Space:
     @property
     def group_keys(self) -> int:
         """How many numbers stand for the groups of an injection; see `group_name`."""
-        return len(self.groups) ** self.order
+        return int(len(self.groups) ** self.order)
 
     def keys(self, low: int, high: int) -> Positions:
         """For each injection a number that stands for its scenario and groups: scenario * `group_keys` + groups."""

@@ -8,14 +8,15 @@ from functools import cached_property
 from typing import cast
 
 from safety.faults import Faulted
-from safety.prove.claims import PROVED, REFUTED, Claim
+from safety.prove.claims import PROVED, REFUTED, Claim, Seen
 from safety.prove.engines.engine import in_integers, uses_reals
-from safety.prove.mutation import Mutants, mutants_of
+from safety.prove.mutation import Mutant, Mutants, mutants_of
 from safety.prove.mutation_drive import Drive
 from safety.prove.mutation_questions import cone, still_proved, with_open_power_up
-from safety.prove.mutation_runs import Course, breaks, courses, only, single
+from safety.prove.mutation_runs import Course, broken, courses, only, single
 from safety.prove.problem import Problem, build_problem
 from safety.prove.refinement import build_refinement
+from safety.prove.solve import Disagreement
 from safety.prove.synthesis.synthesise import synthesise
 from safety.terms import Bit, all_of, bit
 
@@ -72,6 +73,11 @@ class Case:
             return problem
         return replace(problem, lemmas=synthesise(self.as_written, SYNTHESIS).lemmas)
 
+    @cached_property
+    def proved(self) -> bool:
+        """Whether its lemmas are proved, with the claim, of the model as written."""
+        return still_proved(self.problem, (), self.integers, self.timeout) is not None
+
     def some(self, numbers: Collection[int]) -> Problem:
         """The problem of a few mutants, with what their registers hold at power-up."""
         return with_open_power_up(only(self.problem, numbers), [self.mutants[n] for n in sorted(numbers) if n])
@@ -120,24 +126,35 @@ class Panel:
     @cached_property
     def problem(self) -> Problem:
         """The problem of all of them, about the mutant that SELECTOR says; without lemmas."""
-        first = self.cases[0]
-        if len(self.cases) == 1:
+        first, terms = self.cases[0], list[Bit]()
+        if first.claim.refinement is not None:
             return replace(first.stated, lemmas={})
-        formulas = [case.claim.formula for case in self.cases]
-        whole = replace(first.claim, formula=lambda s: all_of(*(f(s) for f in formulas)), lemmas=())
-        return build_problem(whole, change=first.mutants.for_claim)
+
+        def formula(s: Seen) -> Bit:
+            terms.extend(case.claim.formula(s) for case in self.cases)
+            return all_of(*terms)
+
+        whole = build_problem(replace(first.claim, formula=formula, lemmas=()), change=first.mutants.for_claim)
+        told = dict(zip(self.names, terms, strict=True))
+        return replace(whole, system=replace(whole.system, signals=whole.system.signals | told))
+
+    @property
+    def names(self) -> list[str]:
+        """The signal of each claim."""
+        return [f"claim.{case.claim.id}" for case in self.cases]
 
     @cached_property
     def drive(self) -> Drive:
         """Runs for it, beginning with those that its claims are known by."""
         return Drive(self.problem, [(list(c.as_written.system.inputs), k) for c in self.cases for k in c.courses])
 
-    def broken_by(self, number: int, course: Course, step: int) -> Case | None:
-        """The claim that a mutant breaks at a step of a course, on the Python reading; None where none is."""
-        for case in self.cases:
-            if breaks(single(only(case.stated, {number}), case.mutants[number]), course, step):
-                return case
-        return None
+    def broken_by(self, mutant: Mutant, course: Course, step: int) -> Case:
+        """The claim that a mutant breaks at a step of a course, on the Python reading; `Disagreement` without."""
+        names = self.names if self.cases[0].claim.refinement is None else ["claim.holds"]
+        found = broken(single(self.problem, mutant), course, step, names)
+        if not found:
+            raise Disagreement(f"lanes and the Python reading differ on {mutant} at step {step}")
+        return self.cases[names.index(found[0])]
 
 
 def panels(cases: Sequence[Case]) -> list[Panel]:

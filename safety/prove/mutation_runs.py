@@ -200,21 +200,24 @@ class Lanes:
                     seen[self.mutants[lane].number].differs = k, name
 
 
-def breaks(problem: Problem, known: Course, step: int) -> bool:
-    """Whether a single mutant breaks the claim at a step of a course, and not before, on the Python reading."""
+def broken(problem: Problem, known: Course, step: int, claims: Sequence[str]) -> list[str]:
+    """Which of the signals `claims` a single mutant makes false at a step of a course, on the Python reading.
+
+    None of them where the problem was broken before, or what is given was not kept.
+    """
     whole = observed(problem)
-    stepper = Stepper.of(whole, ["claim.holds", "claim.given"])
+    stepper = Stepper.of(whole, ["claim.holds", "claim.given", *claims])
     at = {path: len(whole.states) + i for i, path in enumerate(stepper.observed)}
     state, _ = initial_state(whole, known.start)
     for k, row in enumerate(known.rows[: step + 1]):
         result = stepper.function(*state, *row)
         if result[at["claim.holds"]] is (k == step) or not result[at["claim.given"]]:
-            return False
+            return []
         state = result[: len(whole.states)]
-    return True
+    return [name for name in claims if not result[at[name]]]
 
 
 def confirmed(problem: Problem, known: Course, step: int) -> None:
     """Replay a course on a single mutant; `Disagreement` unless it breaks the claim there."""
-    if not breaks(problem, known, step):
+    if not broken(problem, known, step, ["claim.holds"]):
         raise Disagreement(f"{problem.claim.id}: lanes and the Python reading differ on a mutant at step {step}")

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import itertools
+import math
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 from safety.report.numbers import number
@@ -10,8 +12,8 @@ from safety.report.svg import element, text
 
 WIDTH, HIGH = 420, 64  # px: of the bars
 TOP, BELOW, SIDE = 16, 20, 12  # px around them: counts above, the axis below, half a label at the sides
+LABEL = 46  # px: from one label below the axis to the next
 LEAST = 2  # px: a bin with one in a million is still seen
-BARS = 48  # at most; more bins are taken together
 
 
 class Bin(NamedTuple):
@@ -22,15 +24,29 @@ class Bin(NamedTuple):
     count: int
 
 
-def histogram_svg(bins: Sequence[Bin], unit: str, what: str) -> str:
-    """The chart, empty without a bin; heights go by count, widths are alike, ends are written below."""
-    bins = coarser(bins)
-    if not bins:
+def bins(counts: Mapping[int, int]) -> list[Bin]:
+    """The bins of a histogram that gives, for some of the edges 0, 1, 2, 5, 10, 20, ..., how many lie up to each.
+
+    Those between the first and the last that it gives are there too, without a count.
+    """
+    found: list[Bin] = []
+    before, edges = -1, itertools.chain([0], (d * 10**k for k in itertools.count() for d in (1, 2, 5)))
+    while counts and before < max(counts):
+        edge = next(edges)
+        if found or edge in counts:
+            found.append(Bin(before + 1, edge, counts.get(edge, 0)))
+        before = edge
+    return found
+
+
+def histogram_svg(found: Sequence[Bin], unit: str, what: str) -> str:
+    """The chart, empty without a bin; heights go by count, widths are alike; below stands the last value of a bin."""
+    if not found:
         return ""
-    most = max(one.count for one in bins)
-    wide = WIDTH / len(bins)
+    most = max(one.count for one in found)
+    wide = WIDTH / len(found)
     parts = []
-    for n, one in enumerate(bins):
+    for n, one in enumerate(found):
         tall = max(LEAST, HIGH * one.count / most) if one.count else 0.0
         hint = element("title", f"{_ends(one)} {unit}: {number(one.count)}")
         whole = element("rect", x=SIDE + n * wide, y=TOP, width=wide, height=HIGH, class_="ground")
@@ -39,15 +55,12 @@ def histogram_svg(bins: Sequence[Bin], unit: str, what: str) -> str:
         )
         parts.append(element("g", hint, whole, bar))
     parts.append(element("path", class_="rule", d=f"M{SIDE} {TOP + HIGH}h{WIDTH}"))
-    for n in _labelled(len(bins)):
-        words, x = _ends(bins[n]), SIDE + (n + 0.5) * wide
-        anchor = "start" if n == 0 and len(bins) > 1 else "end" if n and n == len(bins) - 1 else "middle"
-        x = SIDE if anchor == "start" else SIDE + WIDTH if anchor == "end" else x
-        parts.append(text(words, x, TOP + HIGH + 14, text_anchor=anchor))
-    peak = max(range(len(bins)), key=lambda n: bins[n].count)
+    for n in range(0, len(found), math.ceil(LABEL / wide)):
+        parts.append(text(number(found[n].high), SIDE + (n + 0.5) * wide, TOP + HIGH + 14, text_anchor="middle"))
+    peak = max(range(len(found)), key=lambda n: found[n].count)
     at = min(max(SIDE + (peak + 0.5) * wide, SIDE + 14), SIDE + WIDTH - 14)
     parts.append(text(number(most), at, TOP - 4, text_anchor="middle", class_="dim"))
-    said = f"{what}: " + ", ".join(f"{_ends(one)} {unit}: {one.count}" for one in bins if one.count)
+    said = f"{what}: " + ", ".join(f"{_ends(one)} {unit}: {one.count}" for one in found if one.count)
     return element(
         "svg",
         *parts,
@@ -61,17 +74,5 @@ def histogram_svg(bins: Sequence[Bin], unit: str, what: str) -> str:
     )
 
 
-def coarser(bins: Sequence[Bin]) -> list[Bin]:
-    """Neighbouring bins taken together until there are at most `BARS`."""
-    taken = -(-len(bins) // BARS)
-    parts = [bins[n : n + taken] for n in range(0, len(bins), taken)] if taken else []
-    return [Bin(part[0].low, part[-1].high, sum(one.count for one in part)) for part in parts]
-
-
 def _ends(one: Bin) -> str:
     return number(one.low) if one.low == one.high else f"{number(one.low)}–{number(one.high)}"
-
-
-def _labelled(count: int) -> list[int]:
-    """The first, the last, and one in the middle where there is room."""
-    return sorted({0, count // 2, count - 1} if count > 4 else {0, count - 1})

@@ -15,7 +15,9 @@ from safety.report import results as documents
 from safety.report.assumed import MARK, assumed_mode, assumed_set, rests_on_assumed
 from safety.report.bars_svg import CLASSES, classes_bar, interval_svg
 from safety.report.gaps import gaps, parameters
+from safety.report.histogram_svg import bins, histogram_svg
 from safety.report.numbers import TAGS, bracket_text, clean, exact_text, faults_text, number
+from safety.report.sarif import replay_command
 from safety.report.schema import SECTIONS, Entry
 from safety.report.standing import WORDS, exit_code, judge, standing
 from safety.report.timing_svg import timing_svg
@@ -28,6 +30,13 @@ CELLS = 12  # ticks in a table of changed cells
 LISTED = 40  # cut sets and events of a tree; results.json may have more
 BOUNDS = "Bounds over reals"
 MEASURES = ("fussell_vesely", "birnbaum", "criticality", "risk_achievement_worth", "risk_reduction_worth")
+FIGURES = {
+    "lambda_s": "λ safe",
+    "lambda_dd": "λ dangerous detected",
+    "lambda_du": "λ dangerous undetected",
+    "diagnostic_coverage": "coverage",
+    "safe_failure_fraction": "safe failure fraction",
+}  # of a failure mode
 SHOWN = 8  # items of a gap that stand open; the rest unfolds
 
 
@@ -109,6 +118,8 @@ def _environment(results: documents.Results) -> Environment:
         shown=SHOWN,
         listed=LISTED,
         measures=MEASURES,
+        figures=FIGURES,
+        replay_command=replay_command,
         clock=_clock,
         status=_status,
         table=lambda counterexample: Trace(counterexample).table(CELLS),
@@ -117,6 +128,7 @@ def _environment(results: documents.Results) -> Environment:
             timing_svg(claim["counterexample"], f"Counterexample to {claim['id']}", ident)
         ),
         bar=lambda campaign, ident: Markup(classes_bar(campaign["classes"], ident)),
+        histogram=lambda latency, what: Markup(histogram_svg(bins(dict(latency["histogram"])), latency["unit"], what)),
         interval=lambda *values, **options: Markup(interval_svg(*values, **options)),
         tree_picture=lambda tree: Markup(picture(tree)),
     )

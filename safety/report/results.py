@@ -43,9 +43,11 @@ __all__ = [
 
 Results = dict[str, Any]
 
-# Keys of an entry that differ from run to run or with the solver: times, questions asked, a state it happened to pick,
-# whether the result is of an earlier run
-VOLATILE = frozenset({"seconds", "injections_per_second", "questions", "candidate", "cached", "rechecked"})
+# Keys of an entry that differ from run to run, with the solver or the machine: times, questions asked, a state it
+# happened to pick, whether the result is of an earlier run, what ran the injections
+VOLATILE = frozenset(
+    {"seconds", "injections_per_second", "engine", "engine_note", "questions", "candidate", "cached", "rechecked"}
+)
 DIGITS = 12  # significant digits of a committed double: mathematical libraries differ in the last two or three
 _PLACE = re.compile(r" - at `\$(.*)`$")
 

@@ -148,6 +148,7 @@ class Mode(TypedDict, total=False):
     dangerous_undetected: int
     no_effect: int
     tag: Tag
+    bounds: dict[str, tuple[Number, Number]]  # of the figures of the row, such as "lambda_du"
 
 
 class Group(TypedDict):
@@ -175,6 +176,58 @@ class Interval(TypedDict, total=False):
     exact: str
 
 
+class Latency(TypedDict, total=False):
+    """How long it took from the onset to the detection."""
+
+    min: Required[int]
+    max: Required[int]
+    mean: Required[Number]
+    unit: Required[str]
+    histogram: Required[list[tuple[int, int]]]  # up to 0, 1, 2, 5, 10, ..., and how many took as long, but not shorter
+
+
+class Detected(TypedDict, total=False):
+    """What one detector was the first to find."""
+
+    count: Required[int]
+    latency: Latency | None
+
+
+class Compared(TypedDict, total=False):
+    """What is otherwise than in a baseline; injections by id."""
+
+    file: Required[str]
+    new: Required[dict[str, str]]  # dangerous undetected, and what each was
+    lost: Required[dict[str, str]]  # no longer detected, and what each is
+    unclear: Required[dict[str, str]]  # one injection of a fault for which something changed, and what
+    told: Required[list[str]]
+    better: Required[list[str]]
+
+
+class Reproducer(TypedDict, total=False):
+    """The smallest injection that does the same harm as another."""
+
+    of: Required[str]
+    injection: Required[str]
+    faults: int
+    runs: int
+
+
+class Aim(TypedDict, total=False):
+    """A target of the diagnostic coverage, an exact share, and whether its lower bound reaches it."""
+
+    target: Required[str]
+    met: Required[bool]
+    told: Required[str]
+
+
+class Place(TypedDict):
+    """Where something is declared; the file is relative to the project."""
+
+    file: str
+    line: int
+
+
 class Campaign(TypedDict, total=False):
     """A set of injected faults and what became of them."""
 
@@ -193,6 +246,16 @@ class Campaign(TypedDict, total=False):
     fmeda: list[Mode]
     groups: list[Group]
     latency: Any
+    detected_by: dict[str, Detected]
+    target_coverage: Aim | None
+    baseline: Compared | None
+    reproducers: list[Reproducer]
+    declared: Place | None
+    replay: list[str]  # dangerous undetected injections, CAMPAIGN::INJECTION; the first of `replay_of`
+    replay_of: int
+    surprises: list[str]
+    engine: str | None
+    engine_note: str
     seconds: Number
     injections_per_second: Number
     error: str | None

@@ -26,10 +26,18 @@ struct Masks {
   void set(int lane, u8 kept, u8 turned) { for (int k = 0; k < 8; k++) put(&keep[k], lane, kept >> k & 1), put(&turn[k], lane, turned >> k & 1); }
   static void put(wire *plane, int lane, u64 bit) { u64 &q = ((u64 *)plane)[lane / 64]; q = (q & ~(1ull << lane % 64)) | bit << lane % 64; }
 };
+static u64 spread[256];  // of a byte, each bit as a byte of its own
+static const bool is_spread = [] { for (int x = 0; x < 256; x++) for (int k = 0; k < 8; k++) spread[x] |= (u64)(x >> k & 1) << 8 * k; return true; }();
 struct Tally {
   wire plane[8];
   void add(wire c) { for (int k = 0; k < 8 && some(c); k++) { const wire carry = plane[k] & c; plane[k] ^= c; c = carry; } }
-  int of(int lane) const { int sum = 0; for (int k = 0; k < 8; k++) sum |= in_lane(plane[k], lane) << k; return sum; }
+  void into(i32 *counts) const {
+    for (int byte = 0; byte < LANES / 8; byte++) {
+      u64 sums = 0;
+      for (int k = 0; k < 8; k++) sums += spread[((const u8 *)&plane[k])[byte]] << k;
+      for (int k = 0; k < 8; k++) counts[8 * byte + k] += sums >> 8 * k & 255;
+    }
+  }
 };
 #else
 typedef u8 v8 __attribute__((vector_size(LANES)));
@@ -104,7 +112,7 @@ struct Masks {
 struct Tally {
   v8 sums;
   void add(wire c) { sums = added(sums, c); }
-  int of(int lane) const { return sums[lane]; }
+  void into(i32 *counts) const { for (int k = 0; k < LANES; k++) counts[k] += sums[k]; }
 };
 #endif
 
@@ -112,7 +120,7 @@ struct Tally {
 // ends: (batches, ROWS, LANES); counts: (batches, COUNTED, BLOCKS, LANES), zero before; seen: (batches, WATCHED, LANES).
 extern "C" void run(int batches, const i32 *sites, const u8 *keeps, const u8 *turns, const i32 *firsts, const i32 *ends,
                     i32 *counts, i32 *seen@INPUTS@) {
-  static u8 event[FRAMES + 1];
+  static i32 events[FRAMES], following[2 * ROWS * LANES];  // lists of what begins (even) or ends (odd) at a frame
   for (int batch = 0; batch < batches; batch++) {
     const i32 *site = sites + batch * ROWS;
     const size_t base = (size_t)batch * ROWS * LANES;
@@ -120,26 +128,24 @@ extern "C" void run(int batches, const i32 *sites, const u8 *keeps, const u8 *tu
     Masks held[ROWS];
     Tally tallies[COUNTED] = {};
     wire before[WATCHED] = {};
-    memset(event, 0, sizeof event);
+    memset(events, -1, sizeof events);
     for (int r = 0; r < ROWS; r++)
       if (site[r] >= 0) {
         at[site[r]] = 1;
         for (int k = 0; k < LANES; k++) {
-          const i32 first = firsts[base + r * LANES + k], end = ends[base + r * LANES + k];
-          event[first < FRAMES ? first : FRAMES] = event[end < FRAMES ? end : FRAMES] = 1;
+          const i32 n = r * LANES + k, when[2] = {firsts[base + n], ends[base + n]};
+          for (int end = 0; end < 2; end++)
+            if (when[end] < FRAMES) following[2 * n + end] = events[when[end]], events[when[end]] = 2 * n + end;
         }
       }
     for (int k = 0; k < WATCHED * LANES; k++) seen[(size_t)batch * WATCHED * LANES + k] = NEVER;
     int tallied = 0;
 @START@
     for (int frame = 0; frame < FRAMES; frame++) {
-      if (UNLIKELY(event[frame]))
-        for (int r = 0; r < ROWS; r++)
-          for (int k = 0; k < LANES; k++) {
-            const size_t run = base + r * LANES + k;
-            if (ends[run] == frame) held[r].set(k, 255, 0);
-            else if (firsts[run] == frame) held[r].set(k, keeps[run], turns[run]);
-          }
+      for (i32 e = events[frame]; UNLIKELY(e >= 0); e = following[e]) {
+        const size_t run = base + e / 2;
+        held[e / 2 / LANES].set(e / 2 % LANES, e % 2 ? 255 : keeps[run], e % 2 ? 0 : turns[run]);
+      }
 @STEP@
       if (frame < RUN_IN) continue;
       const wire watched[WATCHED] = {@WATCHED_WIRES@}, counted[COUNTED] = {@COUNTED_WIRES@};
@@ -155,7 +161,7 @@ extern "C" void run(int batches, const i32 *sites, const u8 *keeps, const u8 *tu
       if (UNLIKELY(++tallied == 255 || measured % BLOCK == 0)) {
         for (int n = 0; n < COUNTED; n++) {
           i32 *into = counts + (((size_t)batch * COUNTED + n) * BLOCKS + (measured - 1) / BLOCK) * LANES;
-          for (int k = 0; k < LANES; k++) into[k] += tallies[n].of(k);
+          tallies[n].into(into);
           tallies[n] = Tally{};
         }
         tallied = 0;

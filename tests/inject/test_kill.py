@@ -1,4 +1,4 @@
-"""kill -9 of workers and of the driver at any moment: nothing is lost but what they had in hand, and nothing differs."""
+"""kill -9 of workers and of the driver at any moment: only what they had in hand is lost, and nothing differs."""
 
 from __future__ import annotations
 

@@ -214,7 +214,7 @@ class Washed(Model, event="tick"):
     n: U2 = power_up(0)
 
     def step(self, go: Bit) -> tuple[Washed, Bit]:
-        return Washed(mark=go, shown=go, n=select(go & self.mark, self.n, self.n)), self.shown
+        return Washed(mark=go, shown=go, n=select(go, self.n, self.n ^ 1)), self.shown
 
 
 def follows(s: Seen) -> Bit:

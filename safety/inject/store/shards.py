@@ -147,7 +147,8 @@ def _kinds(cells: npt.NDArray[Any], detector: npt.NDArray[Any]) -> npt.NDArray[A
 
 def _order(kinds: npt.NDArray[Any]) -> npt.NDArray[Any]:
     """Where the injections stand when sorted by kind, each kind in order."""
-    return kinds.argsort(kind="stable")
+    order: npt.NDArray[Any] = kinds.argsort(kind="stable")
+    return order
 
 
 def _deflated(plane: npt.NDArray[Any]) -> bytes:
