@@ -21,15 +21,18 @@ from proofs.ts7_formulas import Formula, named
 from proofs.ts7_thresholds import LIMITS
 from proofs.ts7_voting import OFFSETS
 from safety import (
+    ANY_TIME,
     PROVED,
     REFUTED,
     Bit,
+    Fault,
     Scenario,
     Seen,
     UInt,
     age,
     all_of,
     any_of,
+    at_most,
     bit,
     claim,
     count,
@@ -37,6 +40,7 @@ from safety import (
     once,
     previous,
     select,
+    stuck,
     word,
 )
 
@@ -82,6 +86,18 @@ def brakes_just_by_rule_a(s: Seen) -> Bit:
 def brakes_only_where_two_channels_brake(s: Seen) -> Bit:
     """NB comes just where two of three channels brake.  An isolated one counts as braking."""
     return s.nb == (count(*in_force(s)) >= 2)
+
+
+@claim(Thresholds, expect=PROVED, requirement="TS7-3", source="f_v > f_p: brake [P]; no error as delivered [A]")
+def brakes_just_above_the_limit_as_delivered(s: Seen) -> Bit:
+    """Without errors every channel brakes by its own limit just where the speed is above that of the signal."""
+    return all_of(*(s[f"brakes_{n}"] == (s.x > 0) for n in "abc"))
+
+
+@claim(Thresholds, expect=REFUTED, requirement="TS7-3", twin_of=brakes_just_above_the_limit_as_delivered)
+def brakes_at_the_limit_as_delivered(s: Seen) -> Bit:
+    """Without errors every channel brakes at the limit too.  Equality holds the state."""
+    return all_of(*(s[f"brakes_{n}"] == (s.x >= 0) for n in "abc"))
 
 
 # --- relays of the common part --------------------------------------------------------------------------------------
@@ -135,9 +151,13 @@ def chr_needs_no_supply(s: Seen) -> Bit:
     return all_of(*(s[n].chr_relay.coil == ~s.sync[f"cut_{n}"] for n in CHANNELS))
 
 
-@claim(CommonPart, expect=PROVED, requirement="TS7-8", source="no synchronisation after an isolation [P]")
+SUPPLY_LOST = [Fault(stuck(0), [f"{n}.supply"], ANY_TIME, name=f"supply of {n} lost") for n in CHANNELS]
+
+
+@claim(CommonPart, faults=at_most(1, SUPPLY_LOST), expect=PROVED, requirement="TS7-8",
+       source="no synchronisation after an isolation [P]")  # fmt: skip
 def no_window_while_a_channel_is_out_of_service(s: Seen) -> Bit:
-    """A frame after some CHR is down there is no window of synchronisation."""
+    """A frame after some CHR is down, and be it for want of its channel's own supply, there is no window."""
     return implies(previous(any_of(*(s.isolated[n] for n in CHANNELS)), False), ~s.synchronising)
 
 

@@ -128,7 +128,7 @@ def once_isolated(s: Seen) -> Bit:
 
 
 @claim(Thresholds, faults=at_most(1, ARBITRARY), start=once_isolated, symbolic=LIMITS, expect=PROVED, anywhere=True,
-       lemmas=[once_isolated], requirement="TS7-9", source="[P] no further synchronisation")  # fmt: skip
+       requirement="TS7-9", source="[P] no further synchronisation")  # fmt: skip
 def no_brake_up_to_minus_two_once_isolated(s: Seen) -> Bit:
     """Once the arbitrary channel is isolated, and no healthy one, NB cannot come 2.0 km/h or more below the limit."""
     return implies(s.x <= -2, ~s.nb)
@@ -194,13 +194,8 @@ def nobody_isolated_within_the_published_accuracy(s: Seen) -> Bit:
 # --- two channels that never brake ---------------------------------------------------------------------------------
 
 
-def both_in_service(s: Seen) -> Bit:
-    """Channels a and b are not isolated."""
-    return ~s.cut_a & ~s.cut_b
-
-
 @claim(Thresholds, faults=any_of_faults(SILENT[:2]), given=both_silent, symbolic=LIMITS, expect=PROVED,
-       lemmas=[both_in_service], requirement="TS7-16", source="[P] the channel that stands alone is cut off",
+       requirement="TS7-16", source="[P] the channel that stands alone is cut off",
        witness=Scenario(steps=1, inputs={"x": 3}, present=[f.name for f in SILENT[:2]]))  # fmt: skip
 def two_silent_channels_isolate_the_healthy_one(s: Seen) -> Bit:
     """With two channels that never brake, overspeed isolates the healthy one, and neither brake comes."""

@@ -44,9 +44,9 @@ from safety.system import ANY, ModelError, System, repeat
 from safety.terms import U2, U4, Bit, Int, Real, bit
 from safety.terms.direct import evaluate
 from safety.terms.graph import describe
-from safety.terms.texts import compile_lanes, lane_type
-from safety.trace import Stepper, run
+from safety.trace import run
 from safety.tracing import trace
+from tests.kinds.readings import reading
 from tests.prove import chance, naive, translated
 from tests.prove.naive import Broken, Machine, Question
 
@@ -129,28 +129,6 @@ def test_faults_at_one_point_act_in_their_order() -> None:
 
 
 # --- one machine in every reading ----------------------------------------------------------------------------------
-
-
-def reading(system: System, row: list[Any]) -> tuple[Any, ...]:
-    """One step on the Python reading, checked against the direct one and the lanes."""
-    inputs = [*(s.var for s in system.states), *system.inputs.values()]
-    outputs = [*(s.next for s in system.states), *system.signals.values(), *system.points.values()]
-    direct = tuple(evaluate(outputs, dict(zip(inputs, row, strict=True))))
-    stepper = Stepper.of(system)
-    python = stepper.function(*row)
-    following = python[: len(system.states)]
-    assert following == direct[: len(system.states)]
-    assert dict(zip(stepper.observed, python[len(following) :], strict=False)) == {
-        p: v
-        for p, v in zip([*system.signals, *system.points], direct[len(following) :], strict=True)
-        if p in stepper.observed
-    }
-    import numpy as np
-
-    arrays = [np.array([v], dtype=lane_type(t)) for v, t in zip(row, inputs, strict=True)]
-    lanes = compile_lanes(inputs, outputs)(*arrays)
-    assert tuple(lane[0].item() for lane in lanes) == direct
-    return direct
 
 
 @given(st.integers(0, 10**6), st.sampled_from(chance.KINDS), st.sampled_from(chance.ONSETS))

@@ -53,18 +53,29 @@ class Answer:
     reads: list[tuple[str, Any]] = field(default_factory=list)  # files read for it, each with its time and size
 
 
-def evaluate(project: Project, item: Item, order: Order, note: Note) -> Answer:
-    """Work out an item; an error becomes a problem of the project's or an entry that says so."""
+def evaluate(project: Project, item: Item, order: Order, note: Note, how: Evaluate | None = None) -> Answer:
+    """Work out an item, as usual or by `how`; an error becomes a problem of the project's or an entry that says so.
+
+    Raises `StoreError` when `how` has nowhere to put its results, or nobody to make them.
+    """
     began = time.perf_counter()
     try:
-        return _EVALUATE[item.section](project, item, order, note)
+        return (how or _EVALUATE[item.section])(project, item, order, note)
     except Exception as error:
+        if how is not None and _of_a_store(error):
+            raise
         if project.is_users(error):
             return Answer(item, problem=_problem(project, item, error))
         if order.traceback:
             traceback.print_exc()
         entry = without_result(item, error)
         return Answer(item, entry | {"seconds": round(time.perf_counter() - began, 3)})
+
+
+def _of_a_store(error: Exception) -> bool:
+    from safety.inject.store import StoreError
+
+    return isinstance(error, StoreError)
 
 
 def without_result(item: Item, error: Exception | str) -> Entry:
@@ -203,7 +214,8 @@ def _mutants(project: Project, item: Item, order: Order, note: Note) -> Answer:
     return Answer(item, examined(project, item, order))
 
 
-_EVALUATE: Mapping[str, Callable[[Project, Item, Order, Note], Answer]] = {
+Evaluate = Callable[[Project, Item, Order, Note], Answer]
+_EVALUATE: Mapping[str, Evaluate] = {
     "claims": _claim,
     "campaigns": _campaign,
     "trees": _hazard,

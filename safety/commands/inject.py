@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 
 from safety.commands import CommandError, options
 from safety.commands.output import data, probe, write
-from safety.commands.session import Here, Session, work
+from safety.commands.session import Session, work
 from safety.commands.table import table
 from safety.report.assumed import assumed_mode, mark, rests_on_assumed
 from safety.report.numbers import number
@@ -26,7 +26,7 @@ from safety.report.schema import Entry
 from safety.system import nearest
 
 if TYPE_CHECKING:
-    from safety.commands.evaluate import Note
+    from safety.commands.evaluate import Evaluate, Note, Order
     from safety.commands.injecting import Wishes
     from safety.commands.selection import Item
     from safety.project import Project
@@ -81,10 +81,8 @@ def add_arguments(parser: ArgumentParser) -> None:
 def run(args: Namespace) -> int:
     """Carry out the verb."""
     _refuse(args)
-    wishes = _wishes(args)
-    args.injecting = wishes.__dict__
     with ExitStack() as stack:
-        session = work(args, "campaigns", check=lambda session: _check(session, wishes, args, stack))
+        session = work(args, "campaigns", check=lambda session: _check(session, args, stack))
     entries = session.results.get("campaigns", [])
     if entries:
         _write(args, session)
@@ -135,19 +133,17 @@ def _refuse(args: Namespace) -> None:
         raise CommandError("--write-baseline with --shard would keep a part; write it where the shards are merged")
 
 
-def _wishes(args: Namespace) -> Wishes:
-    from safety.commands.injecting import Wishes
-
-    return Wishes(
-        args.engine, not args.no_collapse, args.audit, dict(args.targets),
-        args.baseline or "", bool(args.write_baseline), args.shrink,
-    )  # fmt: skip
-
-
-def _check(session: Session, wishes: Wishes, args: Namespace, stack: ExitStack) -> Here | None:
+def _check(session: Session, args: Namespace, stack: ExitStack) -> Evaluate | None:
     """Refuse targets and baselines that do not fit; what works in this process where results are kept in a store."""
     from safety.commands.evaluate import find
-    from safety.commands.injecting import EVERY, prepare, records
+    from safety.commands.injecting import EVERY, Wishes, prepare, records
+
+    wishes = Wishes(
+        args.engine, not args.no_collapse, args.audit, dict(args.targets), args.baseline or "",
+        bool(args.write_baseline), args.shrink, args.csv or "", args.xlsx or "", args.shard or "",
+        several=len(session.chosen) > 1,
+    )  # fmt: skip
+    args.injecting = wishes.__dict__
 
     known = [campaign.id for campaign in session.project.campaigns]
     for name in wishes.targets:
@@ -183,11 +179,12 @@ def _fits(session: Session, there: Mapping[str, Any], file: str) -> None:
 
 def _kept(
     args: Namespace, session: Session, wishes: Wishes, settings: Mapping[str, Any], stack: ExitStack
-) -> Here | None:
+) -> Evaluate | None:
     if not (args.store or args.resume or args.shard or args.merge or args.executor):
         return None
-    from safety.commands.evaluate import find
-    from safety.commands.injecting import Kept, injected
+    from safety.commands.evaluate import Answer, find
+    from safety.commands.injecting import injected
+    from safety.commands.sharding import Kept
     from safety.inject.store import FOLDER, Part, open_executor
 
     root = session.project.root
@@ -195,12 +192,12 @@ def _kept(
     jobs = args.jobs or session.project.config.jobs or options.cores()
     executor = stack.enter_context(open_executor(args.executor or "processes", workers=jobs))
     kept = Kept(
-        args.store or str(root / FOLDER), executor, root, settings, wishes, args.shard or "1/1",
-        args.resume or bool(args.merge), args.merge, lambda text: print(text, file=sys.stderr),
+        Path(args.store) if args.store else root / FOLDER, executor, root, settings, wishes,
+        resume=args.resume or bool(args.merge), merge=args.merge, told=lambda text: print(text, file=sys.stderr),
     )  # fmt: skip
 
-    def here(project: Project, item: Item, note: Note) -> Entry:
-        return injected(find(project.campaigns, item.id), wishes, root, note, kept.run)
+    def here(project: Project, item: Item, order: Order, note: Note) -> Answer:
+        return Answer(item, injected(find(project.campaigns, item.id), wishes, root, note, kept.run))
 
     return here
 
@@ -209,8 +206,10 @@ def _kept(
 
 
 def _write(args: Namespace, session: Session) -> None:
-    """Write the files that are asked for."""
-    results = session.results
+    """Write the files that are asked for, and say which a campaign wrote itself."""
+    from safety.commands.injecting import Wishes
+
+    results, wishes = session.results, Wishes(**args.injecting)
     if args.sarif:
         from safety.report.sarif import sarif
 
@@ -221,6 +220,12 @@ def _write(args: Namespace, session: Session) -> None:
         write(Path(args.junit), junit(results, timings=True))
     if args.write_baseline:
         _write_baseline(session, Path(args.write_baseline))
+    modes = [entry["id"] for entry in results["campaigns"] if entry.get("fmeda")]
+    if (args.csv or args.xlsx) and not modes:
+        print("no table of failure modes: it is of campaigns of single faults", file=sys.stderr)
+    for kind in ("csv", "xlsx") if modes else ():
+        for file in filter(None, (wishes.file(kind, name) for name in modes)):
+            print(f"failure modes: {file}", file=sys.stderr)
 
 
 def _write_baseline(session: Session, file: Path) -> None:

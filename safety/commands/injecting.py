@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from concurrent.futures import Executor
 from dataclasses import dataclass, field
 from fractions import Fraction
 from pathlib import Path
@@ -33,6 +32,17 @@ class Wishes:
     baseline: str = ""
     record: bool = False
     shrink: int = 0
+    csv: str = ""
+    xlsx: str = ""
+    shard: str = ""
+    several: bool = False  # campaigns: each has files of its own
+
+    def file(self, kind: str, campaign: str) -> Path | None:
+        """The file of failure modes of a campaign: as given; where there are several, with its id before the ending."""
+        path = Path(getattr(self, kind))
+        if not getattr(self, kind):
+            return None
+        return path.with_name(f"{path.stem}-{campaign}{path.suffix}") if self.several else path
 
     @property
     def changes(self) -> dict[str, Any]:
@@ -43,7 +53,7 @@ class Wishes:
         return found | ({"audit": True} if self.audit else {})
 
 
-Run = Callable[["Campaign", Note], "Result"]
+Run = Callable[["Campaign", Note], "tuple[Result, Sequence[str]]"]
 
 
 def prepare(campaign: Campaign, wishes: Wishes, settings: Mapping[str, Value]) -> None:
@@ -57,24 +67,35 @@ def prepare(campaign: Campaign, wishes: Wishes, settings: Mapping[str, Value]) -
 def injected(campaign: Campaign, wishes: Wishes, root: Path, note: Note, run: Run | None = None) -> Entry:
     """The entry of a campaign that is prepared; `run` gives its result, by default in this process."""
     try:
-        result = (run or here)(campaign, note)
+        result, problems = (run or here)(campaign, note)
     except ImportError as missing:
         raise CommandError(f"{campaign.id}: engine {campaign.engine}: {missing}; give --engine lanes") from None
     entry = result.to_json()
     entry["declared"] = declared(campaign, root)
+    if wishes.shard and result.interrupted:
+        _as_a_part(entry, wishes.shard, len(campaign.space))
+    entry["surprises"] += problems
+    entry["as_expected"] = not entry["surprises"]
     target = wishes.targets.get(campaign.id, wishes.targets.get(EVERY, campaign.target_coverage))
     if target is not None and not result.interrupted:
         aim(entry, Fraction(target))
     if (wishes.baseline or wishes.record) and not result.interrupted:
         _hold_against(entry, result, wishes)
+    _write_modes(result, wishes)
     if wishes.shrink:
         entry["reproducers"] = list(_reproducers(campaign, entry, wishes.shrink, note))
     return entry
 
 
-def here(campaign: Campaign, note: Note) -> Result:
-    """Run a campaign in this process."""
-    return campaign.inject(pace(campaign, note))
+def _as_a_part(entry: Entry, shard: str, of: int) -> None:
+    """An entry of the shards of one of several machines: nothing else was asked for, so nothing is missing."""
+    note = f"part {shard}: {entry['injections']} of {of} injections are kept"
+    entry |= {"part": shard, "surprises": [], "expect": {"exhaustive": False}, "note": note}
+
+
+def here(campaign: Campaign, note: Note) -> tuple[Result, Sequence[str]]:
+    """Run a campaign in this process, where nothing keeps it from being made."""
+    return campaign.inject(pace(campaign, note)), ()
 
 
 def pace(campaign: Campaign, note: Note) -> Callable[[float, float], None]:
@@ -93,6 +114,18 @@ def declared(campaign: Campaign, root: Path) -> dict[str, Any] | None:
     file, line = campaign.place
     path = Path(file)
     return {"file": path.relative_to(root).as_posix(), "line": line} if path.is_relative_to(root) else None
+
+
+def _write_modes(result: Result, wishes: Wishes) -> None:
+    """The tables of failure modes; campaigns of pairs have none."""
+    from safety.inject import write_csv
+    from safety.inject.workbook import write_xlsx
+
+    csv, xlsx = (wishes.file(kind, result.campaign.id) for kind in ("csv", "xlsx"))
+    if csv and result.rows:
+        write_csv(result.rows, csv)
+    if xlsx and result.rows:
+        write_xlsx(result, xlsx)
 
 
 def _hold_against(entry: Entry, result: Result, wishes: Wishes) -> None:
@@ -131,42 +164,3 @@ def _reproducers(campaign: Campaign, entry: Entry, most: int, note: Note) -> Seq
         note(f"shrinking {count} of {len(chosen)}")
         found.append(reproducer(campaign, read(campaign, one)).to_json())
     return found
-
-
-@dataclass(frozen=True)
-class Kept:
-    """A place where campaigns are kept as they run: the store, who makes shards, and which of them."""
-
-    store: str
-    executor: Executor
-    root: Path
-    settings: Mapping[str, Value]
-    wishes: Wishes
-    shard: str = "1/1"
-    resume: bool = True
-    merge: Sequence[str] = ()
-    told: Callable[[str], None] = lambda text: None
-
-    def run(self, campaign: Campaign, note: Note) -> Result:
-        """The result of a campaign out of its shards; it says what is missing, or that it was interrupted."""
-        import time
-
-        from safety.commands.declared import Declared
-        from safety.inject.store import Part, Store, merge, run_sharded
-
-        store = Store(Path(self.store), self.told)
-        if self.merge:
-            merge(campaign, [Path(folder) for folder in self.merge], store)
-        find = Declared(
-            str(self.root), campaign.id, tuple(self.settings.items()), tuple(self.wishes.changes.items())
-        )  # fmt: skip
-        began = time.monotonic()
-        stored = run_sharded(
-            campaign, find, store, self.executor,
-            part=Part.parse(self.shard), resume=self.resume, progress=pace(campaign, note),
-        )  # fmt: skip
-        for problem in stored.problems:
-            self.told(problem)
-        if stored.interrupted:
-            raise KeyboardInterrupt
-        return stored.result(time.monotonic() - began)

@@ -55,10 +55,12 @@ def _kind(text: str, whole: str) -> Kind:
 def _made(call: Any, whole: str) -> Kind:
     """The kind of a call; an argument is a plain value, or the call of another kind."""
 
-    def value(argument: ast.expr) -> Any:
-        return _made(argument, whole) if isinstance(argument, ast.Call) else ast.literal_eval(argument)
-
     name, known = getattr(call, "func", call).id, makers()
+
+    def value(argument: ast.expr) -> Any:
+        kind = isinstance(argument, ast.Call) and getattr(argument.func, "id", None) in known
+        return _made(argument, whole) if kind else ast.literal_eval(argument)
+
     args = [value(arg) for arg in getattr(call, "args", ())]
     keywords = {one.arg: value(one.value) for one in getattr(call, "keywords", ())}
     if name not in known:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import hashlib
 import sys
 import time
 from argparse import Namespace
@@ -16,10 +17,13 @@ from safety.commands import INPUT_ERROR, INTERRUPTED, CommandError, memory
 from safety.commands.evaluate import Entry, Order, find
 from safety.commands.options import cores
 from safety.commands.output import probe, write_plain
+from safety.commands.recall import folder
 from safety.commands.screen import Screen
 from safety.commands.selection import Item, items, select
+from safety.commands.snapshot import Snapshot
 from safety.commands.workers import Workers
 from safety.project import Project, open_project
+from safety.prove.cache import Cache
 from safety.report.standing import NOTHING, UNDECIDED, WEAKER
 
 if TYPE_CHECKING:
@@ -51,7 +55,7 @@ def run(args: Namespace) -> int:
     if not work.models:
         print("nothing selected: no claim that must be proved fits", file=sys.stderr)
         return NOTHING
-    order = Order(args.timeout or TIMEOUT, traceback=args.traceback)
+    order = Order(args.timeout or TIMEOUT, traceback=args.traceback, cache=args.cache)
     began = time.monotonic()
     try:
         with work.screen, Workers(project, order, args.jobs or project.config.jobs or cores()) as workers:
@@ -62,14 +66,29 @@ def run(args: Namespace) -> int:
 
 
 def examined(project: Project, item: Item, order: Order) -> Entry:
-    """A worker's answer to one piece of work: the fate of each of its mutants."""
+    """A worker's answer to one piece of work: the fate of each of its mutants, or what an earlier run has found.
+
+    What is kept goes by the text of the project and of this package, the claims, the mutants and the time allowed.
+    """
     began = time.perf_counter()
-    numbers = [int(number) for number in item.expect.split()]
+    cache = Cache(folder(project.root), lambda text: print(text, file=sys.stderr)) if order.cache else None
+    known = key = None
+    if cache is not None:
+        asked = [Snapshot(project.root, cache).key, item.statement, item.expect, str(order.timeout)]
+        key = hashlib.sha256("\n".join(asked).encode()).hexdigest()
+        known = cache.get(key)
+    found = known or _examined(project, item, order)
+    if cache is not None and key is not None and known is None:
+        cache.put(key, found)
+    return {"id": item.id, "mutants": found, "seconds": round(time.perf_counter() - began, 3)}
+
+
+def _examined(project: Project, item: Item, order: Order) -> list[Entry]:
     from safety.prove.mutants import examine
 
     subject = _subject(tuple(item.statement.split()), order.timeout)
-    found = [_entry(project.root, item.model, subject.mutants, fate) for fate in examine(subject, numbers)]
-    return {"id": item.id, "mutants": found, "seconds": round(time.perf_counter() - began, 3)}
+    fates = examine(subject, [int(number) for number in item.expect.split()])
+    return [_entry(project.root, item.model, subject.mutants, fate) for fate in fates]
 
 
 @functools.lru_cache(maxsize=1)  # pieces of one model come in a row

@@ -17,7 +17,16 @@ from typing import TYPE_CHECKING, Any
 
 from safety.commands import INPUT_ERROR, INTERRUPTED, CommandError, earlier, memory
 from safety.commands.earlier import Earlier
-from safety.commands.evaluate import Answer, Entry, Note, Order, fitting, has_parameter, models_of, without_result
+from safety.commands.evaluate import (
+    Answer,
+    Evaluate,
+    Order,
+    evaluate,
+    fitting,
+    has_parameter,
+    models_of,
+    without_result,
+)
 from safety.commands.options import cores
 from safety.commands.output import probe, write, write_json
 from safety.commands.screen import Screen
@@ -36,8 +45,6 @@ if TYPE_CHECKING:
 NOUNS = {"claims": "claims", "campaigns": "campaigns", "trees": "hazards", "rates": "rates"}
 SAVE_S = 30.0  # what a power cut may cost
 
-Here = Callable[[Project, Item, Note], Entry]
-
 
 @dataclass
 class Session:
@@ -53,7 +60,7 @@ class Session:
     interrupted: bool = False
     notes: dict[str, str] = field(default_factory=dict)
     code: int = 0
-    here: Here | None = None  # what works on an item in this process, where no worker does
+    here: Evaluate | None = None  # what works on an item in this process, where no worker does
     records: dict[str, Any] = field(default_factory=dict)  # of campaigns, for a baseline
 
     @property
@@ -82,7 +89,7 @@ class Session:
             left = self._recall(screen, width)
             if left and self.here:
                 with screen:
-                    self._one_by_one(left, self.here, screen, width)
+                    self._one_by_one(left, order, screen, width)
             elif left:
                 with screen, Workers(self.project, order, args.jobs or config.jobs or cores()) as workers:
                     self._gather(left, workers, screen, width)
@@ -136,12 +143,12 @@ class Session:
                         saved = time.monotonic()
                 screen.working(done, len(self.chosen), workers.at_work(), self.notes)
 
-    def _one_by_one(self, left: Sequence[Item], here: Here, screen: Screen, width: int) -> None:
+    def _one_by_one(self, left: Sequence[Item], order: Order, screen: Screen, width: int) -> None:
         """Work in this process; what is given out to others is given out by `here`."""
         for done, item in enumerate(left):
             screen.working(done, len(left), [item], self.notes)
-            entry = here(self.project, item, partial(self._tell, screen, item, done, len(left)))
-            as_asked = self._take(Answer(item, entry), screen, width)
+            note = partial(self._tell, screen, item, done, len(left))
+            as_asked = self._take(evaluate(self.project, item, order, note, self.here), screen, width)
             if self.args.first and not as_asked:
                 return
 
@@ -286,7 +293,7 @@ def work(
     *sections: str,
     tables: bool = False,
     whole: bool = False,
-    check: Callable[[Session], Here | None] = lambda session: None,
+    check: Callable[[Session], Evaluate | None] = lambda session: None,
 ) -> Session:
     """Do all that the arguments select; the session's `code` says how it ended.
 

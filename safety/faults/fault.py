@@ -31,6 +31,11 @@ class Fault:
     values: Mapping[str, Sequence[Any]] | None = field(default=None, compare=False)
 
     def __post_init__(self) -> None:
+        if not isinstance(self.kind, Kind):
+            raise ModelError(f"Fault({self.kind!r}, ...): that is no fault kind; write e.g. stuck(0)")
+        for number in (self.at, 0 if self.ticks is None else self.ticks):
+            if not hasattr(number, "__index__"):
+                raise ModelError(f"a fault's at and ticks count steps: {number!r} is no whole number")
         if self.onset not in ONSETS:
             raise ModelError(f"fault onset {self.onset!r}; it is one of: {', '.join(ONSETS)}")
         if self.onset == TRANSIENT and (self.ticks is None or self.ticks < 1):
@@ -77,8 +82,8 @@ def common_cause(
     A key is a point, a pattern, or a part for a kind of parts; several points of a kind that joins them are written as
     one key, `"a.x+a.y"`.  Source of the term: IEC 61508-4:2010, 3.6.10.  Raises `ModelError` for an empty group.
     """
-    if not members:
-        raise ModelError(f"common cause {name!r} has no member; write common_cause(name, {{point: kind, ...}})")
+    if not members or not all(isinstance(kind, Kind) for kind in members.values()):
+        raise ModelError(f"common cause {name!r}: write common_cause(name, {{point: kind, ...}}), one member or more")
     kinds = "; ".join(f"{points}: {kind}" for points, kind in members.items())
     kind = Kind("common cause", f"all at once: {kinds}", members=tuple(members.items()))
     return Fault(kind, list(members), onset, at, ticks, name, values)

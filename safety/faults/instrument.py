@@ -205,9 +205,13 @@ class _Instrument:
         return node("point", (substitute([self.seen[term.attr]], there)[0],), term.attr, term.sort)
 
     def _refuse_cycle(self, term: Term, path: list[Term]) -> None:
-        around = [t for t in path[[t.uid for t in path].index(term.uid) :] if t.op == "point"]
-        names = [str(t.attr) for t in reversed(around)]
-        circle = " -> ".join([*names, names[0]])
+        around = path[[t.uid for t in path].index(term.uid) :]
+        names: list[str] = []  # from each point to one that it is made of, or meets
+        for here, there in zip(around, [*around[1:], term], strict=True):
+            if here.op == "point":
+                met = [p for p in self.healthy if p != here.attr and self.copies[p][0].args[0] is there]
+                names += [here.attr, *met[:1]] if here.attr in self.seen else [here.attr]
+        circle = " -> ".join(reversed([names[-1], *names] if names[0] != names[-1] else names))
         raise ModelError(
             f"{self.system.name}: joined points depend on each other within one step: {circle}; "
             "join points with a register between them, or write late=True: each meets the others' last values"

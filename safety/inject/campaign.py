@@ -15,7 +15,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from safety.inject.classes import CELLS, CLASSES, Judge
-from safety.inject.engine import AUTO, ENGINES, Engine, Outcome, Timing, engine_for
+from safety.inject.engine import AUTO, ENGINES, NEVER, Engine, Outcome, Timing, engine_for
 from safety.inject.enumeration import enumerate_space
 from safety.inject.judging import HAZARD, SAFE, Judged, detector, judged
 from safety.inject.monitors import Watched
@@ -50,9 +50,9 @@ class Campaign:
     `~` only.  A run on both sides counts as wrong; what is neither wrong, safe nor detected has no effect.
 
     `expect`: counts of classes or of `direction/detected` cells.  `engine`: "auto", "native" or "lanes".  Faults that
-    come to the same by construction are run once (`collapsing`); `audit` runs all and compares.  `target_coverage`: what
-    the lower bound of the diagnostic coverage has to reach, exact, e.g. "9/10" or "0.9".  `proofs`: claims and hazards
-    whose violation the wrong side is; the single faults that they cover are closed by proof (`safety.closure`).
+    come to the same by construction are run once (`collapsing`); `audit` runs all and compares.  `target_coverage`:
+    what the lower bound of the diagnostic coverage has to reach, exact, e.g. "9/10" or "0.9".  `proofs`: claims and
+    hazards whose violation the wrong side is; the single faults that they cover are closed by proof (`safety.closure`).
     """
 
     id: str
@@ -192,14 +192,23 @@ class Campaign:
                 )
             if self.onsets is None:
                 check_schedule(identify(fault), *window(fault), self.timing)
+        for step in self.onsets or ():
+            end = NEVER if self.length is None else step + self.length
+            check_schedule(space.singles[0].name, step, end, self.timing)
         return space
 
-    @cached_property
-    def collapse(self) -> Collapse:
-        """Which single faults come to the same.  Raises `CampaignError` for a kind that does not fit a point."""
-        from safety.inject.collapse import collapse
+    def collapse(self, scenario: int = 0) -> Collapse:
+        """Which single faults come to the same in a scenario.  Raises `ModelError` for a kind that does not fit."""
+        if scenario not in self._collapses:
+            from safety.inject.collapse import collapse
 
-        return collapse(self.system, self.space.singles)
+            task = self.variant(scenario).task
+            self._collapses[scenario] = collapse(task.system, task.atoms, (*task.count, *task.watch), self.order)
+        return self._collapses[scenario]
+
+    @cached_property
+    def _collapses(self) -> dict[int, Collapse]:
+        return {}
 
     def engine_of(self, scenario: int = 0) -> Engine:
         """What runs the injections of a scenario; the last one asked for is kept."""

@@ -1,16 +1,27 @@
-"""Faults that come to the same by construction: one of each class is run, and counts for all of them."""
+"""Faults that come to the same by construction: one of each class is run, and counts for all of them.
+
+1. The same masks at the same points at the same time are one fault, whatever else is broken.
+2. What nothing that is looked at depends on, now or later, may read anything.
+3. A single fault at a place that one other place alone reads is one at that place, where its mask can be told there:
+   an inverter, the controlling value of a gate, a bit out of a word, a point of another name (fault collapsing of
+   McCluskey and Clegg, IEEE Trans. Computers C-20 (1971), here on words, and at each step of a fault's time).
+4. A single fault on a constant is what it makes of the constant; one that keeps it changes nothing.
+
+Rules 3 and 4 speak of one fault at a time, so pairs and triples are collapsed by the first two only.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from safety.faults import Fault
+from safety.faults import Fault, where
 from safety.inject.engine import NONE
-from safety.inject.masks import Mask, changes_nothing, masks
+from safety.inject.masks import Mask, changes_nothing, masks, without_points
 from safety.inject.space import window
 from safety.system import System
+from safety.terms.graph import Term, postorder, variables
 
 if TYPE_CHECKING:
     import numpy as np
@@ -21,9 +32,9 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Collapse:
-    """For each single fault the one that is run for it (itself, an earlier one, or `NONE`: it cannot show), and
+    """Which single fault is run for each: itself, an earlier one, or `NONE` where it cannot show.
 
-    which faults leave the equipment as it is.
+    `idle`: the faults that leave the equipment as it is.
     """
 
     leaders: Leaders
@@ -40,19 +51,147 @@ class Collapse:
         return {"single_faults": len(self.leaders), "run": own, "cannot_show": int((self.leaders == NONE).sum())}
 
 
-def collapse(system: System, faults: Sequence[Fault]) -> Collapse:
-    """Collapse faults."""
+def collapse(system: System, faults: Sequence[Fault], looked_at: Iterable[str], order: int) -> Collapse:
+    """Collapse single faults, of which `order` occur together; `looked_at` names the signals that are."""
     import numpy as np
 
     found = [masks(system, fault) for fault in faults]
-    idle = np.array([m is not None and changes_nothing(system, m) for m in found])
-    return Collapse(np.array(_same(faults, found), dtype=np.int64), idle)
+    others = [name for fault, m in zip(faults, found, strict=True) if m is None for name in where(system, fault)]
+    graph = Graph.of(system, looked_at, others)
+    classes: dict[object, int] = {}
+    leaders = []
+    for place, (fault, at) in enumerate(zip(faults, found, strict=True)):
+        seen = None if at is None else graph.seen(at, alone=order == 1)
+        if seen is None:
+            leaders.append(place)
+        elif not seen:
+            leaders.append(NONE)
+        else:
+            leaders.append(classes.setdefault((window(fault), frozenset(seen.items())), place))
+    idle = [m is not None and changes_nothing(system, m) for m in found]
+    return Collapse(np.array(leaders, dtype=np.int64), np.array(idle, dtype=np.bool_))
 
 
-def _same(faults: Sequence[Fault], found: Sequence[Mapping[str, Mask] | None]) -> list[int]:
-    """Faults with the same masks at the same points at the same time are one, whatever else is broken."""
-    leaders: dict[object, int] = {}
-    return [
-        place if m is None else leaders.setdefault((window(fault), frozenset(m.items())), place)
-        for place, (fault, m) in enumerate(zip(faults, found, strict=True))
-    ]
+@dataclass(frozen=True)
+class Graph:
+    """What shows of a system: the terms of points, who reads a term (`None`: a register or a look), constants."""
+
+    places: Mapping[str, list[Term]]  # terms of each point
+    readers: Mapping[int, list[Term | None]]
+    constants: Mapping[int, int]
+
+    @classmethod
+    def of(cls, system: System, looked_at: Iterable[str], others: Iterable[str]) -> Graph:
+        """The graph under what is looked at, and under what faults of other kinds than masks may read (`others`)."""
+        roots = [system.lookup(name) for name in looked_at]
+        roots += [system.points[name] for name in others if name in system.points]
+        needed = live(system, roots, {name for name in others if name in system.state})
+        readers: dict[int, list[Term | None]] = {root.uid: [] for root in needed}
+        for root in needed:
+            readers[root.uid].append(None)
+        order = postorder(needed)
+        places: dict[str, list[Term]] = {}
+        for term in order:
+            for arg in term.args:
+                readers.setdefault(arg.uid, []).append(term)
+            if term.op == "point":
+                places.setdefault(term.attr, []).append(term)
+        folded = without_points(order)
+        constants = {t.uid: int(f.attr) for t, f in zip(order, folded, strict=True) if f.is_const and _bits(t)}
+        return cls(places, readers, constants)
+
+    def seen(self, at: Mapping[str, Mask], *, alone: bool) -> dict[object, Mask] | None:
+        """The masks where they show, none where nothing does; a fault that is `alone` is followed to where it ends."""
+        seen: dict[object, Mask] = {point: mask for point, mask in at.items() if point in self.places}
+        if not alone or len(seen) != 1:
+            return seen
+        (point, mask), *_ = seen.items()
+        if len(self.places[str(point)]) > 1:
+            return seen
+        end = self._followed(self.places[str(point)][0], mask)
+        return {} if end is None else {end[0].uid: end[1]}
+
+    def _followed(self, term: Term, mask: Mask) -> tuple[Term, Mask] | None:
+        """The last place at which a mask can be told, or None where it changes nothing."""
+        while True:
+            passing = Mask(int(term.sort.bounds[1]), 0)
+            if term.uid in self.constants:
+                healthy = self.constants[term.uid]
+                mask = Mask(0, healthy & mask.keep ^ mask.turn)
+                if mask.turn == healthy:
+                    return None
+            if mask == passing:
+                return None
+            reader = self.readers[term.uid][0] if len(self.readers[term.uid]) == 1 else None
+            further = None if reader is None else told(reader, term, mask)
+            if reader is None or further is None:
+                return term, mask
+            term, mask = reader, further
+
+
+def live(system: System, roots: Sequence[Term], registers: Iterable[str] = ()) -> list[Term]:
+    """The roots, with the next values of all registers that they depend on, now or later, and of the named ones."""
+    following = {s.var.uid: s for s in system.states}
+    found = list(roots)
+    seen = {system.state[name].var.uid for name in registers}
+    todo = [*seen, *(v.uid for v in variables(roots))]
+    seen = set()
+    while todo:
+        uid = todo.pop()
+        if uid in following and uid not in seen:
+            seen.add(uid)
+            found.append(following[uid].next)
+            todo += [v.uid for v in variables([following[uid].next])]
+    return found
+
+
+def _bits(term: Term) -> bool:
+    return term.sort.kind in ("bit", "uint")
+
+
+_ALIKE = {"point", "not", "and", "or", "xor", "band", "bor", "bxor"}  # the result has the sort of the arguments
+
+
+def told(reader: Term, term: Term, mask: Mask) -> Mask | None:
+    """What a mask on `term` is at the one term that reads it, or None where it is no mask there."""
+    if not all(map(_bits, (reader, *reader.args))) or (reader.op in _ALIKE and reader.sort != term.sort):
+        return None
+    ones = int(term.sort.bounds[1])
+    low, high = mask.turn, mask.keep ^ mask.turn  # what 0 and what all ones become
+    stuck_0, stuck_1, turned = ~low & ~high & ones, low & high, low & ~high & ones
+    first = reader.args[0] is term
+    match reader.op:
+        case "point":
+            return mask
+        case "not":
+            return Mask(mask.keep, mask.turn ^ (ones & ~mask.keep))
+        case "and" | "band":
+            return None if stuck_1 | turned else mask
+        case "or" | "bor":
+            return None if stuck_0 | turned else mask
+        case "xor" | "bxor":
+            return None if stuck_0 | stuck_1 else mask
+        case "implies":
+            wanted = stuck_0 if first else stuck_1
+            return Mask(0, 1) if wanted else None
+        case "bit":
+            return Mask(mask.keep >> reader.attr & 1, mask.turn >> reader.attr & 1)
+        case "slice":
+            start, count = reader.attr
+            return _cut(Mask(mask.keep >> start, mask.turn >> start), count)
+        case "concat":
+            below = reader.args[1].sort.width
+            if first:
+                return Mask(mask.keep << below | (1 << below) - 1, mask.turn << below)
+            whole = int(reader.sort.bounds[1])
+            return replace(mask, keep=mask.keep | whole & ~ones)
+        case "cast":
+            return replace(mask, keep=mask.keep | int(reader.sort.bounds[1]) & ~ones)
+        case "select" if first and [a.attr for a in reader.args[1:] if a.is_const] == [1, 0]:
+            return mask  # a wire as a word of one bit
+    return None
+
+
+def _cut(mask: Mask, count: int) -> Mask:
+    part = (1 << count) - 1
+    return Mask(mask.keep & part, mask.turn & part)

@@ -68,6 +68,6 @@ def latencies(judged: Judged, detectors: int) -> list[dict[str, Any]]:
                 least, greatest = min(least, int(took.min())), max(greatest, int(took.max()))
         count = int(numbers.sum())
         histogram = [[int(edge), int(number)] for edge, number in zip(edges, numbers, strict=True) if number]
-        latency = {"min": least, "max": greatest, "mean": total / count, "unit": "frames", "histogram": histogram}
+        latency = {"min": least, "max": greatest, "mean": total / max(count, 1), "unit": "frames", "histogram": histogram}
         found.append({"count": count, "latency": latency if count else None})
     return found

@@ -54,48 +54,50 @@ def enumerate_space(
     noun = NOUNS[order] if order == 1 else f"{NOUNS[order]} of {len(singles)} faults"
     if onsets is not None:
         noun += f" at {len(onsets)} onsets"
-    if scenarios > 1:
-        noun += f" in {scenarios} drawn scenarios"
-    return _chosen(whole, noun, sample, seed)
+    where = f" in each of {scenarios} drawn scenarios" if scenarios > 1 else ""
+    return _chosen(whole, noun, where, sample, seed)
 
 
-def _chosen(whole: Space, noun: str, sample: int | Mapping[str, int] | None, seed: int) -> Space:
+def _chosen(whole: Space, noun: str, where: str, sample: int | Mapping[str, int] | None, seed: int) -> Space:
+    """The space with what was drawn; anew in each scenario, as many in each."""
     import numpy as np
 
-    population = whole.population
+    population = whole.in_a_scenario
+    if sample is None or sample == population:
+        return replace(whole, statement=f"all {population} {noun}{where}")
+    seeds = [seed if whole.scenarios == 1 else f"{seed} {scenario}" for scenario in range(whole.scenarios)]
     if isinstance(sample, Mapping):
-        parts = [_of_group(whole, name, number, seed) for name, number in sample.items()]
-        missing = [group.name for group in whole.groups if group.name not in sample]
-        if missing:
-            raise CampaignError(f"sample says nothing of group {missing[0]!r}; give a number for each group")
-        statement = f"{sum(map(len, parts))} of {population} {noun}, drawn by group with seed {seed}"
-        return replace(whole, chosen=np.sort(np.concatenate(parts)), statement=statement, by_group=True)
-    if sample is not None and not 1 <= sample <= population:
+        parts, how = [_by_group(whole, sample, own) for own in seeds], "drawn by group"
+    elif 1 <= sample <= population:
+        parts, how = [drawn(population, sample, own) for own in seeds], "drawn"
+    else:
         raise CampaignError(
             f"sample={sample} of {population} injections; choose 1 to {population}, or leave it out for all"
         )
-    if sample is None or sample == population:
-        return replace(whole, statement=f"all {population} {noun}")
-    statement = f"{sample} of {population} {noun}, drawn with seed {seed}"
-    return replace(whole, chosen=drawn(population, sample, seed), statement=statement)
+    statement = f"{len(parts[0])} of {population} {noun}{where}, {how} with seed {seed}"
+    chosen = np.concatenate([part + scenario * population for scenario, part in enumerate(parts)])
+    return replace(whole, chosen=chosen, statement=statement, by_group=isinstance(sample, Mapping))
 
 
-def _of_group(whole: Space, name: str, number: int, seed: int) -> Positions:
-    """So many positions of a group, whose single faults stand side by side."""
+def _by_group(whole: Space, sample: Mapping[str, int], seed: int | str) -> Positions:
+    """So many positions of each group; the single faults of a group stand side by side."""
     import numpy as np
 
     if whole.order != 1:
         raise CampaignError("a sample by group is of single faults (order 1); give one number for pairs and triples")
-    if name not in whole.sizes:
-        raise CampaignError(f"sample names the group {name!r}; {nearest(name, whole.sizes)}")
-    if not 1 <= number <= whole.sizes[name]:
-        raise CampaignError(
-            f"sample={number} of {whole.sizes[name]} injections of {name!r}; choose 1 to {whole.sizes[name]}"
-        )
-    places = [place for place, group in enumerate(whole.of_group) if whole.groups[group].name == name]
-    own = len(places) * whole.times
-    found = drawn(whole.sizes[name], number, f"{seed} {name}")
-    return np.asarray(found // own * whole.in_a_scenario + places[0] * whole.times + found % own)
+    names = [group.name for group in whole.groups]
+    for name in sample:
+        if name not in names:
+            raise CampaignError(f"sample names the group {name!r}; {nearest(name, names)}")
+    parts, start = [], 0
+    for place, name in enumerate(names):
+        size = whole.of_group.count(place) * whole.times
+        number = sample.get(name, 0)
+        if not 1 <= number <= size:
+            raise CampaignError(f"sample={number} of {size} injections of {name!r}; choose 1 to {size}")
+        parts.append(start + drawn(size, number, f"{seed} {name}"))
+        start += size
+    return np.concatenate(parts)
 
 
 def _expanded(system: System, group: Group) -> list[Fault]:

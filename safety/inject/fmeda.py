@@ -189,7 +189,7 @@ class Total:
         rows = self.rows
         if not all(r.rate and r.tally.injections and (r.at_random or r.exhaustive) for r in rows):
             return None
-        confidence = min(row.confidence for row in rows)
+        confidence = max(row.confidence for row in rows)
         if any(row.scenarios for row in rows):
             return self._under_scenarios(name, confidence)
         if name in GOOD:

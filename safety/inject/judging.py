@@ -102,10 +102,11 @@ def _collapsed(campaign: Campaign, scenario: int, low: int, high: int) -> Judged
     """Run the leaders of the range; every other injection is as its leader, where that is in the range too."""
     import numpy as np
 
-    space, leaders = campaign.space, campaign.collapse.leaders
+    space = campaign.space
     batch = space.batch(low, high)
-    if not campaign.collapsing or campaign.collapse.nothing:
+    if not campaign.collapsing or campaign.collapse(scenario).nothing:
         return _run(campaign, scenario, batch)
+    leaders = campaign.collapse(scenario).leaders
     members = batch.atoms.astype(np.int64)
     led = leaders[members]
     other, shown = (led != members).any(axis=0), (led != NONE).any(axis=0)
@@ -150,8 +151,10 @@ def _run(campaign: Campaign, scenario: int, batch: Batch) -> Judged:
     golden = engine.golden
     healthy = judge(campaign, golden, golden, NEVER)
     if healthy.cells[0] != NO_EFFECT:
+        where = f" of scenario {scenario}" if campaign.vary else ""
         raise CampaignError(
-            f"{campaign.id}: the fault-free run is judged {CELLS[healthy.cells[0]]}; correct the judges or the stimulus"
+            f"{campaign.id}: the fault-free run{where} is judged {CELLS[healthy.cells[0]]}; "
+            "correct the judges or the stimulus"
         )
     return judge(campaign, outcome, golden, onset_frames(campaign, batch))
 

@@ -83,7 +83,7 @@ class Result:
 
         A fault changes nothing by construction when it acts on a constant and keeps its value.
         """
-        idle, space = self.campaign.collapse.idle, self.campaign.space
+        idle, space = self.campaign.collapse().idle, self.campaign.space
         if not idle.any():
             return self.tally.injections
         number = 0
@@ -230,7 +230,7 @@ class Result:
             "replay_of": self.tally.classes["dangerous_undetected"],
             "engine": campaign.engine_used,
             "engine_note": campaign.engine_note,
-            "collapsed": campaign.collapse.to_json() if campaign.collapsing else None,
+            "collapsed": campaign.collapse().to_json() if campaign.collapsing else None,
             "seconds": self.seconds,
             "injections_per_second": self.tally.injections / self.seconds if self.seconds else None,
         }

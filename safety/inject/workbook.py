@@ -8,10 +8,13 @@ from __future__ import annotations
 import io
 import re
 import zipfile
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
+from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from safety.inject.classes import CELLS
+from safety.inject.counting import pieces
 from safety.inject.figures import BEHIND, FIGURES
 from safety.inject.fmeda import COLUMNS, Row, records, totals
 from safety.inject.space import CampaignError
@@ -31,10 +34,24 @@ def injections_behind(result: Result, row: Row, column: str) -> Iterator[str]:
     """
     if column not in BEHIND:
         raise CampaignError(f"column {column!r} is not made of injections; choose one of {', '.join(BEHIND)}")
-    wanted = BEHIND[column]
-    for injection, cell in result.injections():
-        if injection.group == row.group.name and cell in wanted:
-            yield f"{result.campaign.id}::{injection.id}"
+    place = [group.name for group in result.campaign.space.groups].index(row.group.name)
+    for number in _numbers(result, place, BEHIND[column]):
+        yield _selector(result, number)
+
+
+def _selector(result: Result, number: int) -> str:
+    return f"{result.campaign.id}::{result.campaign.space.injection(number).id}"
+
+
+def _numbers(result: Result, group: int, cells: Collection[str]) -> Iterator[int]:
+    """The numbers of the injections of a group, by its place, that came to some cells."""
+    import numpy as np
+
+    space, judged = result.campaign.space, result.judged
+    chosen = [place for place, cell in enumerate(CELLS) if cell in cells]
+    for low, high in pieces(len(judged)):
+        mine = space.keys(low, high) % space.group_keys == group
+        yield from (low + np.flatnonzero(mine & np.isin(judged.cells[low:high], chosen))).tolist()
 
 
 def write_xlsx(found: Result | Sequence[Row], path: str | Path) -> None:
@@ -74,15 +91,10 @@ def _totals(rows: Sequence[Row]) -> Iterator[list[Any]]:
 
 
 def _traces(result: Result) -> Iterator[list[Any]]:
-    """A line for each cell of each mode, with the first of its injections; every injection is looked at once."""
-    named: dict[tuple[str, str], list[str]] = {}
-    for injection, cell in result.injections():
-        names = named.setdefault((injection.group, cell), [])
-        if len(names) < MOST_NAMED:
-            names.append(f"{result.campaign.id}::{injection.id}")
-    for row in result.rows:
+    """A line for each cell of each mode, with the first of its injections."""
+    for place, row in enumerate(result.rows):
         for cell, number in row.tally.table.items():
-            names = named[row.group.name, cell]
+            names = [_selector(result, n) for n in islice(_numbers(result, place, [cell]), MOST_NAMED)]
             more = [f"... {number - len(names)} more"] if number > len(names) else []
             columns = ", ".join(column for column, cells in BEHIND.items() if cell in cells)
             yield [row.part, row.mode, cell, number, columns, "\n".join([*names, *more])[:LONGEST]]

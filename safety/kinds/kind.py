@@ -146,7 +146,7 @@ def mask(sort: Sort, bits: Bits, what: str) -> int:
 
 def listed(bits: int | Iterable[int]) -> list[int]:
     """Bit numbers in a list.  Raises `ModelError` for none, for one named twice, or for what is no number."""
-    numbers = [bits] if isinstance(bits, int) else list(bits)
+    numbers = list(bits) if isinstance(bits, Iterable) else [bits]
     if not numbers or any(type(n) is not int for n in numbers) or len(set(numbers)) < len(numbers):
         raise ModelError(f"bits {bits!r}: name each bit once, by its number, 0 the lowest")
     return numbers

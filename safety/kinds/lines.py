@@ -43,7 +43,7 @@ def bridge(dominant: int | None = None, *, late: bool = False) -> Kind:
     Without `dominant` neither is the stronger for sure: where they differ, each bit is that of either, anew at each
     step (of the first in a run that says nothing else).
     """
-    if dominant not in (None, 0, 1) or isinstance(dominant, bool):
+    if dominant is not None and (type(dominant) is not int or dominant not in (0, 1)):
         raise ModelError(f"bridge({dominant!r}): the dominant line is 0, the first point, or 1, the second; or none")
 
     def joint(seat: Seat, healthy: tuple[Term, ...]) -> tuple[Term, ...]:

@@ -38,12 +38,15 @@ def delayed(ticks: int) -> Kind:
 
 
 def slow_to_operate(steps: int) -> Kind:
-    """Relay slow to operate: the contact closes `steps` steps late and opens in time; shorter closings are lost."""
+    """Relay slow to operate: the contact closes `steps` steps late and opens in time; shorter closings are lost.
+
+    Before power-up it was open; so it was for `slow_to_release`.
+    """
     whole(steps, 1, f"slow_to_operate({steps!r})", "a contact closes 1 step late or more")
 
     def effect(seat: Seat, healthy: Term) -> Term:
         closed = cast(Bit, healthy)
-        return closed & (_since(seat, closed, steps) >= steps)
+        return closed & (_since(seat, closed, steps, 0) >= steps)
 
     meaning = f"the contact closes {steps} step(s) late and opens in time"
     return Kind(f"{steps} step(s) slow to operate", meaning, effect, ("bit",), unit="steps")
@@ -55,15 +58,15 @@ def slow_to_release(steps: int) -> Kind:
 
     def effect(seat: Seat, healthy: Term) -> Term:
         opened = ~cast(Bit, healthy)
-        return ~(opened & (_since(seat, opened, steps) >= steps))
+        return ~(opened & (_since(seat, opened, steps, steps) >= steps))
 
     meaning = f"the contact opens {steps} step(s) late and closes in time"
     return Kind(f"{steps} step(s) slow to release", meaning, effect, ("bit",), unit="steps")
 
 
-def _since(seat: Seat, condition: Bit, most: int) -> UInt:
-    """How many steps the condition has held without a break before this one, at most `most`; 0 at power-up."""
-    held = cast(UInt, seat.register("held", uint(most.bit_length()), 0))
+def _since(seat: Seat, condition: Bit, most: int, before: int) -> UInt:
+    """How many steps the condition has held without a break before this one, at most `most`; at power-up `before`."""
+    held = cast(UInt, seat.register("held", uint(most.bit_length()), before))
     seat.then(held, select(condition, select(held < most, (held + 1).low(held.width), held), 0))
     return held
 
@@ -73,6 +76,8 @@ def intermittent(kind: Kind, acts: int, of: int) -> Kind:
 
     Onset INTERMITTENT is the other form: acting at any steps whatever, which a proof leaves open.
     """
+    if not isinstance(kind, Kind):
+        raise ModelError(f"intermittent({kind!r}, ...): the first argument is the kind, e.g. stuck(0)")
     whole(acts, 1, f"intermittent(..., {acts!r}, {of!r})", "it acts for 1 step or more")
     if type(of) is not int or of <= acts:
         raise ModelError(f"intermittent(..., {acts}, {of!r}): it acts in {acts} of more than {acts} steps")

@@ -48,8 +48,8 @@ KILLED = (COUNTEREXAMPLE, WITNESS, TWIN)
 KINDS = (*KILLED, PROOF_LOST, EQUIVALENT, SLACK, UNDECIDED, UNCLAIMED)
 SHORT = 12  # steps of the search for a run behind a proof that is lost
 FAR = 20  # steps of the search for a run in which a mutant differs
-DRIVEN = 6  # times the limit of a question: what directed runs may take
-DECIDED = 0.5  # of that limit: for lemmas, or simulation, of one claim on one mutant
+DRIVEN = (3, 6)  # times the limit of a question: what directed runs may take, at first and where in doubt
+DECIDED = 0.5  # of that limit: for lemmas, simulation, or other engines, of one claim on one mutant
 
 
 @dataclass(frozen=True)
@@ -93,7 +93,7 @@ class _Examination:
         """All fates, in the order of the mutants."""
         numbers, proved = sorted(self.left), self.subject.proved
         self._unclaimed()
-        self._drive()
+        self._drive(doubtful=False)
         for case in sorted(proved, key=_length):
             self._run(case)
         self._equivalent()
@@ -101,6 +101,7 @@ class _Examination:
             self._prove(case)
         self._equivalent_for_claims(self._of_the_step(), found=False)
         self._search_for_lost()
+        self._drive(doubtful=True)
         for case in proved:
             self._witness(case)
         for number in sorted(self.left & (self.lost.keys() | self.open.keys())):
@@ -150,12 +151,16 @@ class _Examination:
     def _single(self, case: Case, number: int) -> Problem:
         return single(case.stated, self.subject.mutants[number])
 
-    def _drive(self) -> None:
-        """Mutants on many long runs, all claims that assume the same at once."""
+    def _drive(self, doubtful: bool) -> None:
+        """Mutants on many long runs, all claims that assume the same at once; longer where a claim is `doubtful`."""
         for panel in self.subject.panels:
             numbers = self.left & set().union(*(case.sees for case in panel.cases))
+            if doubtful:
+                doubts = {n: self.lost.get(n, {}).keys() | self.open.get(n, {}).keys() for n in numbers}
+                numbers = {n for n in numbers if any(case in doubts[n] for case in panel.cases)}
             mutants = [self.subject.mutants[n] for n in sorted(numbers)]
-            for number, course, step in panel.drive.broken(mutants, DRIVEN * self.timeout):
+            seconds, patience = (DRIVEN[1] * self.timeout, 3) if doubtful else (DRIVEN[0] * self.timeout, 1)
+            for number, course, step in panel.drive.broken(mutants, seconds, patience):
                 case = panel.broken_by(self.subject.mutants[number], course, step)
                 self.settle(number, COUNTEREXAMPLE, case.claim.id, f"after {step + 1} steps")
 
@@ -195,7 +200,7 @@ class _Examination:
         problem = replace(self._single(case, number), lemmas={})
         plain = replace(problem.claim, witness=None, scenario=None, expect=PROVED)
         return decide(
-            replace(problem, claim=plain), Limits(seconds, synthesis=seconds, simulation=seconds, portfolio=0)
+            replace(problem, claim=plain), Limits(seconds, synthesis=seconds, simulation=seconds, portfolio=seconds)
         )
 
     def _decide(self, number: int) -> None:
@@ -212,8 +217,12 @@ class _Examination:
                         del some[number]
 
     def _of_the_step(self) -> set[int]:
-        """Mutants whose step is changed: one that powers up otherwise steps like the model, and is not it."""
-        return {number for number in self.left if self.subject.mutants[number].power_up is None}
+        """Mutants whose step is changed: one that powers up otherwise, or has another parameter, steps like the model.
+
+        It is not the model for that: what it powers up with, or is delivered with, is what is changed.
+        """
+        values = {number for steps in self.subject.mutants.settings.values() for number, _ in steps}
+        return {number for number in self.left - values if self.subject.mutants[number].power_up is None}
 
     def _equivalent(self) -> None:
         asked, timeout = self._of_the_step(), self.timeout
@@ -229,8 +238,10 @@ class _Examination:
     def _equivalent_at_power_up(self) -> None:
         """Another value at power-up that is gone after the first step, unseen, in all runs that claims are about."""
         healthy = single(self.subject.healthy(()), None)
-        for number in sorted(self.left - self._of_the_step()):
+        for number in sorted(self.left):
             mutant = self.subject.mutants[number]
+            if mutant.power_up is None:
+                continue
             about = [healthy, *(case.as_written for case in self.subject.proved if number in case.sees)]
             if all(same_from_power_up(problem, mutant, uses_reals(problem), self.timeout) for problem in about):
                 self.settle(number, EQUIVALENT, "", "the same outputs at power-up, the same registers from then on")

@@ -14,7 +14,9 @@ from safety.prove.mutation import Mutant, Mutants, mutants_of
 from safety.prove.mutation_drive import Drive
 from safety.prove.mutation_questions import cone, still_proved, with_open_power_up
 from safety.prove.mutation_runs import Course, broken, courses, only, single
+from safety.prove.outcome import Limits
 from safety.prove.problem import Problem, build_problem
+from safety.prove.prove import decide
 from safety.prove.refinement import build_refinement
 from safety.prove.solve import Disagreement
 from safety.prove.synthesis.synthesise import synthesise
@@ -71,7 +73,11 @@ class Case:
         problem = self.stated
         if problem.lemmas or self.claim.expect != PROVED or still_proved(problem, (), self.integers, self.timeout):
             return problem
-        return replace(problem, lemmas=synthesise(self.as_written, SYNTHESIS).lemmas)
+        found = synthesise(self.as_written, SYNTHESIS)
+        if found.depth is not None:
+            return replace(problem, lemmas=found.lemmas)
+        by_others = decide(self.as_written, Limits(self.timeout, synthesis=0)).problem  # an engine's invariant
+        return replace(problem, lemmas=by_others.lemmas if by_others is not None else {})
 
     @cached_property
     def proved(self) -> bool:
@@ -135,8 +141,8 @@ class Panel:
             return all_of(*terms)
 
         whole = build_problem(replace(first.claim, formula=formula, lemmas=()), change=first.mutants.for_claim)
-        told = dict(zip(self.names, terms, strict=True))
-        return replace(whole, system=replace(whole.system, signals=whole.system.signals | told))
+        signals = {**whole.system.signals, **dict(zip(self.names, terms, strict=True))}
+        return replace(whole, system=replace(whole.system, signals=signals))
 
     @property
     def names(self) -> list[str]:

@@ -38,7 +38,6 @@ COURSES = (16, 256)  # at least and at most
 SHORT = (60, 600)  # steps
 DEEPEST = 20_000
 LONGEST = 8000  # a greater constant is no number of steps
-FRUITLESS = 3  # rounds at full depth without a find, then it is enough
 CHANGES = 0.25  # of a course: the chance that the last change was the last
 SWARM_SECONDS = 5.0
 FROM_SWARM = 24  # courses
@@ -55,8 +54,8 @@ class Drive:
         self.rng = np.random.default_rng(seed)
         self.inputs = list(self.as_written.system.inputs.values())
         self.free = [s for s in self.as_written.system.states if s.power_up is ANY]
-        whole = [problem.holds, problem.given, problem.start, *self.as_written.system.roots()]
-        constants = compared(whole)
+        plain = self.as_written
+        constants = compared([plain.holds, plain.given, plain.start, *plain.system.roots()])
         self.values = [] if self.reals else [Values(v, constants) for v in self.inputs]
         self.lengths = [c for c in constants if 1 < c <= LONGEST]
         self.depth = int(min(DEEPEST, max(SHORT[-1], *(2.5 * n for n in self._limits()))))
@@ -72,13 +71,16 @@ class Drive:
         roots = [self.as_written.holds, self.as_written.given, *self.as_written.system.roots()]
         return any(t.sort == REAL for t in postorder(roots)) or any(is_object(v.sort) for v in self.inputs)
 
-    def broken(self, mutants: Sequence[Mutant], seconds: float) -> Iterator[tuple[int, Course, int]]:
-        """Mutants that break the claim, each with the course and the step; for about so many seconds."""
+    def broken(self, mutants: Sequence[Mutant], seconds: float, patience: int) -> Iterator[tuple[int, Course, int]]:
+        """Mutants that break the claim, each with the course and the step.
+
+        For about so many seconds of computing, and at most until so many rounds at full depth in a row find nothing.
+        """
         if self.reals or not self.starts:
             return
-        until, left, fruitless = time.monotonic() + seconds, list(mutants), 0
+        until, left, fruitless = time.process_time() + seconds, list(mutants), 0
         horizons = [*SHORT, *SHORT]
-        while left and fruitless < FRUITLESS and time.monotonic() < until:
+        while left and fruitless < patience and time.process_time() < until:
             steps = horizons.pop() if horizons else self.depth
             found = self._round(left, min(steps, self.depth), until)
             fruitless = 0 if found else fruitless + (not horizons)
@@ -92,7 +94,7 @@ class Drive:
     def starts(self) -> list[Row]:
         """Contents of the free registers that the start admits."""
         found = [start for _, course in self.known if (start := self._start_of(course)) is not None]
-        constants = compared([self.problem.start, *self.as_written.system.roots()])
+        constants = compared([self.as_written.start, *self.as_written.system.roots()])
         many = COURSES[1] * 4
         density = self.rng.choice(DENSITIES, many)
         at_ends = self.rng.random(many) < 0.7
@@ -132,8 +134,8 @@ class Drive:
 
     def _of_a_swarm(self, horizon: int) -> list[tuple[Row, list[Array]]]:
         swarm = Swarm(self.as_written, ~self.as_written.holds, (), int(self.rng.integers(1 << 30)))
-        until = time.monotonic() + SWARM_SECONDS
-        swarm.run(horizon, lambda: time.monotonic() > until)
+        until = time.process_time() + SWARM_SECONDS
+        swarm.run(horizon, lambda: time.process_time() > until)
         if not swarm.course:
             return []
         found = []
@@ -149,7 +151,7 @@ class Drive:
         start, columns, events = self.starts[rng.integers(len(self.starts))], None, [0]
         if self.pool and rng.random() < FROM_POOL:
             start, known, met = self.pool[rng.integers(len(self.pool))]
-            columns = [np.concatenate([c[:steps], np.full(max(0, steps - len(c)), c[-1], c.dtype)]) for c in known]
+            columns = [_filled(c, steps) for c in known]
             events += [t for t in met if t < steps]
         if columns is None:
             columns = [np.full(steps, self._value(i), dtype=v.kind) for i, v in enumerate(self.values)]
@@ -173,6 +175,8 @@ class Drive:
 
     def _watched(self, courses: Sequence[tuple[Row, list[Array]]]) -> list[Begun]:
         """Courses with the steps at which a wire of the model as it is changes in them."""
+        if not courses:
+            return []
         system = self.as_written.system
         step = compile_lanes([*(s.var for s in system.states), *self.inputs], [s.next for s in system.states])
         wires = [i for i, s in enumerate(system.states) if s.var.sort.kind == "bit" and s.next is not s.var]
@@ -180,14 +184,18 @@ class Drive:
             np.array([start.get(s.path, s.power_up) for start, _ in courses], dtype=lane_type(s.var))
             for s in system.states
         ]
+        steps = max(len(columns[0]) if columns else 0 for _, columns in courses)
+        table = [
+            np.stack([_filled(columns[i], steps) for _, columns in courses], axis=1) for i in range(len(self.inputs))
+        ]
         met: list[list[int]] = [[] for _ in courses]
-        for k in range(max((len(columns[0]) if columns else 0 for _, columns in courses), default=0)):
-            inputs = [
-                np.array([columns[i][min(k, len(columns[i]) - 1)] for _, columns in courses], dtype=lane_type(v))
-                for i, v in enumerate(self.inputs)
-            ]
-            following = [np.broadcast_to(x, len(courses)) for x in step(*state, *inputs)]
-            changed = np.logical_or.reduce([following[i] != state[i] for i in wires] or [np.zeros(len(courses), bool)])
+        changed = np.zeros(len(courses), dtype=np.bool_)
+        for k in range(steps):
+            result = step(*state, *(column[k] for column in table))
+            following = [x if x.shape == changed.shape else np.broadcast_to(x, changed.shape) for x in result]
+            changed[:] = False
+            for i in wires:
+                changed |= following[i] != state[i]
             for j in map(int, np.flatnonzero(changed)):
                 met[j].append(k)
             state = following
@@ -215,7 +223,7 @@ class Drive:
         inputs = [column[0][of_course] for column in table]
         found: dict[int, tuple[Course, int]] = {}
         for k in range(steps):
-            if k % 64 == 63 and time.monotonic() > until:
+            if k % 64 == 63 and time.process_time() > until:
                 break
             for i, column in enumerate(table):
                 if k and (column[k] != column[k - 1]).any():
@@ -230,7 +238,7 @@ class Drive:
                     rows = tuple(zip(*(c[: k + 1].tolist() for c in columns), strict=True)) or ((),) * (k + 1)
                     found[number] = Course(rows, start, ()), k
                     alive &= mutants[of_mutant[lane]].number != numbers[of_mutant]
-            state = [np.broadcast_to(x, alive.shape) for x in result[: len(state)]]
+            state = [x if x.shape == alive.shape else np.broadcast_to(x, alive.shape) for x in result[: len(state)]]
             if not alive.any():
                 break
             if alive.sum() < FEW * len(alive):
@@ -249,3 +257,8 @@ class Drive:
         """Registers at power-up, those of a mutant on all courses side by side."""
         each = [lanes.power_up(start) for start in starts]
         return [np.stack(columns, axis=1).reshape(-1) for columns in zip(*each, strict=True)]
+
+
+def _filled(column: Array, steps: int) -> Array:
+    """A new column of so many steps, the last value of a shorter one kept on."""
+    return np.concatenate([column[:steps], np.full(max(0, steps - len(column)), column[-1], column.dtype)])

@@ -21,7 +21,7 @@ class Bin(NamedTuple):
 
     low: int
     high: int
-    count: int
+    values: int
 
 
 def bins(counts: Mapping[int, int]) -> list[Bin]:
@@ -43,12 +43,12 @@ def histogram_svg(found: Sequence[Bin], unit: str, what: str) -> str:
     """The chart, empty without a bin; heights go by count, widths are alike; below stands the last value of a bin."""
     if not found:
         return ""
-    most = max(one.count for one in found)
+    most = max(one.values for one in found)
     wide = WIDTH / len(found)
     parts = []
     for n, one in enumerate(found):
-        tall = max(LEAST, HIGH * one.count / most) if one.count else 0.0
-        hint = element("title", f"{_ends(one)} {unit}: {number(one.count)}")
+        tall = max(LEAST, HIGH * one.values / most) if one.values else 0.0
+        hint = element("title", f"{_ends(one)} {unit}: {number(one.values)}")
         whole = element("rect", x=SIDE + n * wide, y=TOP, width=wide, height=HIGH, class_="ground")
         bar = element(
             "rect", x=SIDE + n * wide + 0.5, y=TOP + HIGH - tall, width=wide - 1, height=tall, class_="column"
@@ -57,10 +57,10 @@ def histogram_svg(found: Sequence[Bin], unit: str, what: str) -> str:
     parts.append(element("path", class_="rule", d=f"M{SIDE} {TOP + HIGH}h{WIDTH}"))
     for n in range(0, len(found), math.ceil(LABEL / wide)):
         parts.append(text(number(found[n].high), SIDE + (n + 0.5) * wide, TOP + HIGH + 14, text_anchor="middle"))
-    peak = max(range(len(found)), key=lambda n: found[n].count)
+    peak = max(range(len(found)), key=lambda n: found[n].values)
     at = min(max(SIDE + (peak + 0.5) * wide, SIDE + 14), SIDE + WIDTH - 14)
     parts.append(text(number(most), at, TOP - 4, text_anchor="middle", class_="dim"))
-    said = f"{what}: " + ", ".join(f"{_ends(one)} {unit}: {one.count}" for one in found if one.count)
+    said = f"{what}: " + ", ".join(f"{_ends(one)} {unit}: {one.values}" for one in found if one.values)
     return element(
         "svg",
         *parts,

@@ -31,11 +31,11 @@ LISTED = 40  # cut sets and events of a tree; results.json may have more
 BOUNDS = "Bounds over reals"
 MEASURES = ("fussell_vesely", "birnbaum", "criticality", "risk_achievement_worth", "risk_reduction_worth")
 FIGURES = {
-    "lambda_s": "λ safe",
-    "lambda_dd": "λ dangerous detected",
-    "lambda_du": "λ dangerous undetected",
-    "diagnostic_coverage": "coverage",
-    "safe_failure_fraction": "safe failure fraction",
+    "lambda_s": ("λS /h", "rate of safe failures"),
+    "lambda_dd": ("λDD /h", "rate of dangerous failures that are detected"),
+    "lambda_du": ("λDU /h", "rate of dangerous failures that are not detected"),
+    "diagnostic_coverage": ("DC", "diagnostic coverage"),
+    "safe_failure_fraction": ("SFF", "safe failure fraction"),
 }  # of a failure mode
 SHOWN = 8  # items of a gap that stand open; the rest unfolds
 

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any, NamedTuple, TextIO
 
 from safety.report.numbers import clean, exact_text
+from safety.report.sarif import replay_command
 from safety.report.schema import JUDGED, Entry
 from safety.report.standing import WORDS, WORST_FIRST, exit_code, judge
 from safety.report.trace import Trace
@@ -127,6 +128,13 @@ def _counts(results: Mapping[str, Any]) -> Iterator[Line]:
         classes = ", ".join(f"{count} {name.replace('_', ' ')}" for name, count in campaign["classes"].items())
         kind = "exhaustive" if campaign["exhaustive"] else "sampled"
         yield Line(_fit(f"{campaign['id']}: {campaign['injections']} injections, {kind}: {classes}"))
+        baseline = campaign.get("baseline") or {}
+        if baseline.get("better"):
+            yield Line(_flat(f"    better than {baseline['file']}: {'; '.join(baseline['better'])}"), "green")
+            yield Line(_flat(f"    `rightside inject --write-baseline {baseline['file']}` keeps it"))
+        for one in campaign.get("reproducers") or ():
+            command = replay_command(f"{campaign['id']}::{one['injection']}")
+            yield Line(_flat(f"    minimal reproducer of {one['of']}: {command}"))
     others = [_many(len(results[section]), section.removesuffix("s")) for section in JUDGED[2:] if results.get(section)]
     if others:
         yield Line(", ".join(others))

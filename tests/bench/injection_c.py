@@ -6,6 +6,7 @@ import ctypes
 import itertools
 import subprocess
 import tempfile
+import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -15,8 +16,8 @@ import numpy as np
 import numpy.typing as npt
 
 from safety.inject.engine import NEVER, NONE, Batch, Outcome, Task
-from tests.bench.injection_task import healthy, sites, stimulus
 from tests.bench.injection_slices import Slices
+from tests.bench.injection_task import healthy, sites, stimulus
 from tests.bench.injection_text import Writer
 
 WIDE, NARROW = ("-march=native",), ("-march=native", "-mno-avx512f")  # registers of 64 bytes where there are, of 32
@@ -57,9 +58,21 @@ class VectorC:
         source, library = (Path(self._folder.name) / name for name in ("lanes.cpp", "lanes.so"))
         writer = Slices(task, rows) if wires == "slices" else Writer(task, rows)
         source.write_text(writer.program(lanes, wires), encoding="utf-8")
-        words = [compiler, "-O3", *ALIGNED.get(compiler, ()), *flags, "-w", "-shared", "-fPIC", "-o", str(library), str(source)]
+        words = [
+            compiler,
+            "-O3",
+            *ALIGNED.get(compiler, ()),
+            *flags,
+            "-w",
+            "-shared",
+            "-fPIC",
+            "-o",
+            str(library),
+            str(source),
+        ]
         subprocess.run(words, check=True, timeout=300)
         self.library = library
+        self.seconds = 0.0  # of processor time, in the compiled code, of the last batch
         self._run = ctypes.CDLL(str(library)).run
 
     @cached_property
@@ -99,7 +112,9 @@ class VectorC:
         counts = np.zeros((batches, len(task.count), task.timing.blocks, self.lanes), np.int32)
         seen = np.full((batches, len(task.watch), self.lanes), NEVER, np.int32)
         arrays = (packed.sites, packed.keeps, packed.turns, packed.firsts, packed.ends, counts, seen, *self._inputs)
+        began = time.process_time()
         self._run(batches, *(ctypes.c_void_p(a.ctypes.data) for a in arrays))
+        self.seconds = time.process_time() - began
         there = packed.columns >= 0
         where = packed.columns[there]
 

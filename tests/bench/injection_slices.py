@@ -94,7 +94,9 @@ class Slices(Writer):
         if t.op in ("eq", "lt", "le"):
             wide = max(map(self.size, t.args))
             x, y = (self.bits(a, wide) for a in t.args)
-            return [self.equal(x, y) if t.op == "eq" else self.carry([*map(self.invert, x)], y, YES if t.op == "le" else NO)]
+            return [
+                self.equal(x, y) if t.op == "eq" else self.carry([*map(self.invert, x)], y, YES if t.op == "le" else NO)
+            ]
         if t.op == "clip":
             return self.clipped(t, size)
         args = [self.bits(a, size if a.sort.kind != "bit" else 1) for a in t.args]
@@ -116,7 +118,12 @@ class Slices(Writer):
         """The bits of a point, where a fault may act."""
         names = [self._named("wire", x) for x in healthy]
         self.lines.append(
-            self.at(t, lambda r: " ".join(f"{x} = ({x} & held[{r}].keep[{k}]) ^ held[{r}].turn[{k}];" for k, x in enumerate(names)))
+            self.at(
+                t,
+                lambda r: " ".join(
+                    f"{x} = ({x} & held[{r}].keep[{k}]) ^ held[{r}].turn[{k}];" for k, x in enumerate(names)
+                ),
+            )
         )
         return names
 
@@ -143,7 +150,9 @@ class Slices(Writer):
         (x,), (low, high) = t.args, t.sort.bounds
         least, greatest = self.span(x)
         found = self.bits(x)
-        assert low == 0 and high & (high + 1) == 0 and (least >= 0 or greatest <= high), "the range of a word, left on one side"
+        assert low == 0 and high & (high + 1) == 0 and (least >= 0 or greatest <= high), (
+            "the range of a word, left on one side"
+        )
         if least < 0:
             there = self.invert(found[-1])
             return [self.both(there, k) for k in self.bits(x, size)]

@@ -1,3 +1,4 @@
+import shlex
 from pathlib import Path
 
 import pytest
@@ -72,5 +73,39 @@ def test_a_cut_set_and_an_injection(run: Run, whole: Path) -> None:
 def test_replay_says_what_is_wrong(run: Run, whole: Path, name: str, said: str) -> None:
     run("prove", "-q", "-k", "alarm_at_twelve and not fault")
     called = run("replay", name)
+    assert (called.code, called.out) == (2, "")
+    assert said in called.err
+
+
+def test_an_injection_is_shrunk_and_its_reproducer_replayed(run: Run, whole: Path) -> None:
+    run("inject", "-k", "stuck")
+    called = run("replay", "counter_stuck::alarm.out stuck-at-0", "--shrink", "--vcd", "least.vcd")
+    assert called.code == 0, called.err
+    assert "$enddefinitions" in (whole / "least.vcd").read_text()
+    (line,) = [line for line in called.err.splitlines() if line.startswith("minimal reproducer")]
+    words = shlex.split(line.partition("rightside ")[2])
+    assert words == ["replay", "counter_stuck::alarm.out stuck-at-0, transient at 8 for 1"]
+    again = run(*words)
+    assert again.code == 0 and "is dangerous undetected; the results do not list it" in again.err
+
+
+def test_an_injection_may_have_any_schedule(run: Run, whole: Path) -> None:
+    called = run("replay", "counter_stuck::alarm.out stuck-at-0 from step 19 & seen stuck-at-1, transient at 2 for 3")
+    assert called.code == 0, called.err
+    assert "is dangerous undetected; there is no earlier result" in called.err
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["counter_stuck::alarm.out stuck-at-1", "--shrink"], "not dangerous and undetected: there is nothing to shrink"),
+        (["counter_hazard.no_alarm#0", "--shrink"], "--shrink is for an injection of a campaign"),
+        (["counter_stuck::alarm.out stuck-at-0 from step 20"], "begins at step 20, outside the run (0 to 19)"),
+        (["counter_stuck::alarm.out stuck-at-0, transient at 2 for 0"], "transient fault needs its greatest length"),
+        (["counter_stuck::alarm.out stuck-at-0 for 3"], "no injection"),
+    ],
+)
+def test_an_injection_that_cannot_be_is_refused(run: Run, whole: Path, words: list[str], said: str) -> None:
+    called = run("replay", *words)
     assert (called.code, called.out) == (2, "")
     assert said in called.err

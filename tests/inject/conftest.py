@@ -53,6 +53,7 @@ def campaign() -> Callable[..., Campaign]:
         declared: dict[str, Any] = {
             "id": "timer",
             "model": Timer,
+            "engine": "lanes",
             "faults": [
                 Group("count", stuck_bits("count"), part="counter"),
                 Group("lamp", stuck_bits("lit"), part="driver"),

@@ -1,4 +1,4 @@
-"""The failure-mode table: every column against a second calculation, its bounds, totals, and rates read from a table."""
+"""The failure-mode table: columns against a second calculation, bounds, totals, and rates from a table."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def row(counts: dict[str, int], of: int | None = -1, rate: str | None = "1e-7", 
     return Row(group(rate=rate), tally.injections if of == -1 else of, tally, **more)
 
 
-# --- a second calculation, from the definitions of IEC 61508-4 and nothing of ours ---------------------------------------
+# --- a second calculation, from the definitions of IEC 61508-4 and nothing of ours ------------------------------------
 
 
 def by_the_standard(outcomes: list[tuple[str, bool]], rate: Fraction) -> dict[str, Fraction | None]:
@@ -78,7 +78,7 @@ def test_every_column_agrees_with_a_second_calculation(seed: int, tmp_path: Path
         for i, (mode, rate) in enumerate(zip(modes, rates, strict=True))
     ]
     expected = [by_the_standard(mode, rate) for mode, rate in zip(modes, rates, strict=True)]
-    for found, mode, values in zip(rows, modes, expected, strict=True):
+    for found, values in zip(rows, expected, strict=True):
         for name, value in values.items():
             figure = found.figure(name)
             assert (figure and (figure.value, figure.low, figure.high)) == (None if value is None else (value,) * 3)
@@ -197,6 +197,27 @@ def test_a_mode_not_tried_leaves_the_total_open() -> None:
     assert totals([tried, untried])[-1].figure("lambda_dd") is None
 
 
+def test_rows_of_different_confidence_have_totals_that_hold_for_the_higher() -> None:
+    counts = {"wrong/yes": 30, "wrong/no": 3}
+    totalled = [
+        totals([row(counts, of=9999, confidence=one), row(counts, of=9999, confidence=0.99)])[-1] for one in (0.8, 0.99)
+    ]
+    for name in FIGURES:
+        assert totalled[0].figure(name) == totalled[1].figure(name)
+
+
+def test_a_scenario_in_which_a_mode_was_not_tried_says_nothing_of_the_sum() -> None:
+    some, none = Tally({"wrong/yes": 9, "wrong/no": 1}), Tally({})
+    first = Row(group("g"), 30, Tally({"wrong/yes": 27, "wrong/no": 3}), scenarios=(some, some, some))
+    other = Row(group("h"), 30, Tally({"wrong/yes": 18, "wrong/no": 2}), scenarios=(some, none, some))
+    rate = totals([first, other])[-1].figure("lambda_du")
+    low, high = clustered([Fraction(1, 10)] * 2)
+    assert rate is not None
+    assert (rate.low, rate.high) == (Fraction("2e-7") * Fraction(low), Fraction("2e-7") * Fraction(high))
+    never = Row(group("h"), 30, Tally({"safe/no": 1}), scenarios=(none, none, none))
+    assert totals([first, never])[-1].figure("lambda_du") is None
+
+
 def test_without_rates_there_are_fractions_only() -> None:
     found = row({"wrong/yes": 3, "wrong/no": 1}, rate=None)
     assert found.figure("lambda_dd") is None
@@ -242,7 +263,8 @@ def table(tmp_path: Path, text: str) -> Path:
 def test_rates_are_read_from_a_table(tmp_path: Path) -> None:
     path = table(
         tmp_path,
-        "Part,mode,rate_per_h,source,remark\nring,open,2e-9,[A] guess,\nring,stuck,6.4e-8,[P] list,x\nrelay,,0.5e-9,[D] sum,\n",
+        "Part,mode,rate_per_h,source,remark\n"
+        "ring,open,2e-9,[A] guess,\nring,stuck,6.4e-8,[P] list,x\nrelay,,0.5e-9,[D] sum,\n",
     )
     found = with_rates(GROUPS, path)
     assert [(g.name, g.rate_per_h, g.source) for g in found] == [
@@ -266,7 +288,7 @@ HEAD, REST = "part,mode,rate_per_h,source\n", "ring,open,1e-9,[A]\nrelay,welded,
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        (HEAD + REST + "ring,stuk,1e-9,[A]\n", r"effects.csv:4: no group has 'ring: stuk'; did you mean 'ring: stuck'"),
+        (HEAD + REST + "ring,stuk,1e-9,[A]\n", r"effects.csv:4: no group has 'ring: stuk'; did you mean ring: stuck"),
         (HEAD + REST + "ring,stuck,fast,[A]\n", r"effects.csv:4: rate_per_h is 'fast'; write a number above 0"),
         (HEAD + REST + "ring,stuck,0,[A]\n", r"effects.csv:4: rate_per_h is '0'"),
         (HEAD + REST + "ring,stuck,-1e-9,[A]\n", r"rate_per_h is '-1e-9'"),

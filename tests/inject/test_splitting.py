@@ -129,6 +129,12 @@ def test_one_level_is_plain_sampling() -> None:
     assert found.estimate == pytest.approx(1 / 7, rel=0.05)
 
 
+def test_the_length_of_a_plain_run_is_the_mean_duration_of_the_walk() -> None:
+    found = splitting(Spares(Fraction(1), Fraction(8)), range(2, 11), runs=5000, seed=1)
+    assert found.steps_per_plain_run == pytest.approx(9 / 7, rel=0.02)  # from 1 to 0, one step in nine is upwards
+    assert found.plain_steps == found.plain_runs * found.steps_per_plain_run
+
+
 def test_a_level_may_be_jumped_over() -> None:
     class Leaps(Spares):
         def step(self, states: Any, rng: Any) -> Any:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from fractions import Fraction
+from functools import cache
 
 import pytest
 
@@ -13,6 +14,7 @@ from safety.inject.statistics import any_population, clopper_pearson, hypergeome
 Interval = Callable[[int, int, int, float], tuple[float | Fraction, float | Fraction]]
 
 
+@cache
 def chance(k: int, drawn: int, marked: int, population: int) -> Fraction:
     ways = math.comb(marked, k) * math.comb(population - marked, drawn - k)
     return Fraction(ways, math.comb(population, drawn))
@@ -23,8 +25,11 @@ def limits(hits: int, of: int, population: int, confidence: float) -> tuple[Frac
     return Fraction(low, population), Fraction(high, population)
 
 
+for_any = cache(any_population)
+
+
 def of_unknown_size(hits: int, of: int, population: int, confidence: float) -> tuple[float, float]:
-    return any_population(hits, of, confidence)
+    return for_any(hits, of, confidence)
 
 
 def least_coverage(interval: Interval, population: int, of: int, confidence: float) -> Fraction:
@@ -44,8 +49,11 @@ def least_coverage(interval: Interval, population: int, of: int, confidence: flo
 
 
 def least_one_sided(interval: Interval, population: int, of: int, confidence: float) -> Fraction:
-    """As `least_coverage`, for the lower end alone."""
-    return least_coverage(lambda *a: (interval(*a)[0], 1.0), population, of, confidence)
+    """As `least_coverage`, for the lower end alone and for the upper end alone, whichever is held less often."""
+    return min(
+        least_coverage(lambda *a: (interval(*a)[0], 1.0), population, of, confidence),
+        least_coverage(lambda *a: (0.0, interval(*a)[1]), population, of, confidence),
+    )
 
 
 SIZES = [(1, 1), (2, 1), (5, 3), (13, 12), (20, 7), (33, 20), (60, 1), (60, 2), (60, 9), (60, 30), (60, 59), (60, 60)]
@@ -66,7 +74,7 @@ def test_the_limits_hold_the_truth_at_least_as_often_as_stated(
 def test_the_limits_hold_for_every_population_up_to_60(interval: Interval) -> None:
     for population in range(1, 61):
         for of in range(1, population + 1):
-            for confidence in (0.5, 0.9, 0.98):
+            for confidence in (0.5, 0.98):
                 least = least_one_sided(interval, population, of, confidence)
                 assert least >= 1 - (1 - Fraction(str(confidence))) / 2, (population, of, confidence)
 

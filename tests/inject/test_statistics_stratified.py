@@ -10,9 +10,7 @@ from functools import cache
 
 import pytest
 
-from safety.inject.patterns import by_count, by_pattern
-from safety.inject.space import CampaignError
-from safety.inject.statistics import Share, Stratum, Trials, clopper_pearson, share, total, weighted
+from safety.inject.statistics import Share, Stratum, Trials, any_population, clopper_pearson, share, total, weighted
 
 Bounds = Callable[[tuple[int, ...]], tuple[float, float]]
 WEIGHTS, DRAWS = (Fraction(5), Fraction(2), Fraction(1, 2)), (3, 5, 2)
@@ -146,6 +144,24 @@ def test_a_total_with_a_stratum_that_would_pass_unseen_fails(bad: Trials) -> Non
         total([Trials("a", Fraction(1), 0, 5), bad])
 
 
+def test_a_single_sampled_stratum_has_the_bounds_of_its_trials() -> None:
+    found = total([Trials("a", Fraction(1), 3, 50)], 0.9)
+    assert (found.low, found.high) == pytest.approx(any_population(3, 50, 0.9), rel=3e-8)
+
+
+def test_the_coverage_by_rate_is_made_of_bounds_that_hold_together() -> None:
+    """Half of the error goes to the bounds of the good, half to those of the bad."""
+    strata = [stratum("3", 90, 10, 60, 5, exhaustive=False), stratum("1", 40, 0, 10, 1, exhaustive=False)]
+    good, bad = (
+        total([Trials("s", s.weight, getattr(s, kind), s.tried) for s in strata], 0.95)
+        for kind in ("dangerous_detected", "dangerous_undetected")
+    )
+    found = weighted(strata, safe_too=False, confidence=0.9)
+    assert found is not None
+    expected = good.low / (good.low + bad.high), good.high / (good.high + bad.low)
+    assert (found.low, found.high) == pytest.approx(expected, rel=3e-8)
+
+
 def test_nothing_dangerous_has_no_coverage() -> None:
     assert weighted([stratum("1", 4, 0, 0, 0)], safe_too=False) is None
 
@@ -181,37 +197,3 @@ def outcomes(n: int) -> list[tuple[int, int]]:
 def chance(outcome: tuple[int, int], share: tuple[float, float], n: int) -> float:
     (a, b), (p, q) = outcome, share
     return math.comb(n, a) * math.comb(n - a, b) * p**a * q**b * (1 - p - q) ** (n - a - b)
-
-
-# --- which parts are faulty -------------------------------------------------------------------------------------------
-
-
-def test_patterns_and_counts_have_their_exact_probabilities() -> None:
-    given = {"a": Fraction(1, 10), "b": Fraction(1, 5), "c": Fraction(1, 2)}
-    patterns = by_pattern(given)
-    assert patterns[frozenset("ab")] == Fraction(1, 10) * Fraction(1, 5) * Fraction(1, 2)
-    counts = by_count(given.values())
-    assert counts == [sum(w for s, w in patterns.items() if len(s) == k) for k in range(4)]
-    assert sum(counts) == sum(patterns.values()) == 1
-
-
-def test_two_of_three_by_patterns() -> None:
-    """Every pattern tried: the total is 3 p^2 (1-p) + p^3; one pattern not tried at all counts as lost."""
-    p = Fraction(1, 1000)
-    lost = [
-        Trials(str(sorted(s)), w, int(len(s) >= 2), 1, True) for s, w in by_pattern(dict.fromkeys("abc", p)).items()
-    ]
-    assert total(lost).exact == 3 * p**2 * (1 - p) + p**3
-
-
-@pytest.mark.parametrize(
-    ("call", "message"),
-    [
-        (lambda: by_pattern({"a": "1.5"}), "part 'a': probability 1.5 does not lie between 0 and 1"),
-        (lambda: by_count([0.1]), "0.1 is a float; write it in quotes"),
-        (lambda: by_pattern(dict.fromkeys(map(str, range(17)), "0.1")), "17 parts"),
-    ],
-)
-def test_impossible_probabilities_are_refused(call: Callable[[], object], message: str) -> None:
-    with pytest.raises(CampaignError, match=message):
-        call()

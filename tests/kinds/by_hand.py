@@ -234,7 +234,7 @@ def _cases() -> Iterator[Case]:
     yield wire(delayed(2), while_active(lambda t, acts, g: t >= 2 and g[t - 2]))
     yield whole(delayed(1), while_active(lambda t, acts, g: g[t - 1] if t else 0))
     yield wire(slow_to_operate(2), while_active(lambda t, acts, g: t >= 2 and all(g[t - 2 : t + 1])))
-    yield wire(slow_to_release(2), while_active(lambda t, acts, g: t < 2 or any(g[t - 2 : t + 1])))
+    yield wire(slow_to_release(2), while_active(lambda t, acts, g: any(g[max(t - 2, 0) : t + 1])))
     yield wire(intermittent(stuck(1), 2, 3), while_active(lambda t, acts, g: g[t] or place(t, acts) % 3 < 2))
     yield wire(missing(2), _missing(2, None))
     yield wire(missing(1, every=2), _missing(1, 2))

@@ -6,8 +6,11 @@ from typing import Any
 
 import numpy as np
 
+from safety.terms import TermError
 from safety.terms.direct import evaluate
 from safety.terms.graph import Sort, Term, postorder, variables
+from safety.terms.llvm import AVX2, AVX512, PLAIN, Target, host
+from safety.terms.native import compile_native
 from safety.terms.smt import SOLVERS, Encoder
 from safety.terms.table import vector_bits
 from safety.terms.texts import compile_lanes, compile_python, lane_type
@@ -82,16 +85,59 @@ def constant_of(k: Any, value: Any, sort: Sort, integers: bool) -> Any:
     return k.IntVal(value) if integers else k.BitVecVal(value % (1 << vector_bits(sort)), vector_bits(sort))
 
 
+def native(target: Target) -> Reading:
+    def reading(outputs: Sequence[Term], rows: Sequence[Row], expected: Values) -> Values:
+        """Values of the outputs that 64 bits hold; each other one has to be refused."""
+        found = [list(values) for values in expected]
+        fit = [i for i, output in enumerate(outputs) if fits_64_bits(output)]
+        for i, output in enumerate(outputs):
+            if i not in fit:
+                try:
+                    compile_native(variables([output]), [output], target)
+                except TermError:
+                    continue
+                raise AssertionError(f"{output} is not refused")
+        inputs = variables([outputs[i] for i in fit])
+        arrays = [np.array([row[v] for row in rows], dtype=lane_type(v)) for v in inputs]
+        results = compile_native(inputs, [outputs[i] for i in fit], target)(*arrays) if fit else ()
+        for i, result in zip(fit, results, strict=True):
+            assert result.dtype == lane_type(outputs[i]), f"{outputs[i]} has lanes of {result.dtype}"
+            values = result.tolist() if inputs else result.tolist() * len(rows)
+            for row, value in zip(found, values, strict=True):
+                row[i] = value
+        return found
+
+    return reading
+
+
+def fits_64_bits(output: Term) -> bool:
+    """Whether all that a term is made of is a bit or a number of 64 bits."""
+    sorts = {t.sort for t in postorder([output]) if t.sort.kind != "bit"}
+    return all(
+        s.kind != "real" and (0 <= s.bounds[0] <= s.bounds[1] < 2**64 or -(2**63) <= s.bounds[0] and s.bounds[1] < 2**63)
+        for s in sorts
+    )
+
+
+def targets() -> dict[str, Target]:
+    """The kinds of processor whose code this one runs."""
+    features = host().features.split(",")
+    can = {"avx512": (AVX512, "+avx512bw"), "avx2": (AVX2, "+avx2")}
+    return {name: target for name, (target, feature) in can.items() if feature in features} | {"plain": PLAIN}
+
+
+NATIVE: dict[str, Reading] = {"native": native(host())}
 TEXTS: dict[str, Reading] = {"python": python, "lanes": lanes}
 INTEGERS: dict[str, Reading] = {f"integer {name}": solver(name, True) for name in SOLVERS}
 VECTORS: dict[str, Reading] = {f"vector {name}": solver(name, False) for name in SOLVERS}
-READINGS = {**TEXTS, **INTEGERS, **VECTORS}
+READINGS = {**TEXTS, **NATIVE, **INTEGERS, **VECTORS}
 COLUMNS = {
     "direct": ("python",),
     "python": ("python",),
     "lanes": ("lanes",),
     "integer": tuple(INTEGERS),
     "vector": tuple(VECTORS),
+    "native": tuple(NATIVE),
 }  # column of the table: the readings that show an error in it
 
 

@@ -15,7 +15,7 @@ from tests.terms.agreement import COLUMNS, VECTORS, Disagreement, check, has_rea
 from tests.terms.graphs import edge_graphs
 
 Entry = Callable[..., Any]
-SOLVED = ("integer", "vector")
+SOLVED = ("integer", "vector", "native")  # columns whose entries are given an interface too
 
 
 @dataclass(frozen=True)

@@ -1,9 +1,9 @@
-"""The driver, in native code: groups of lanes through time, from event to event.
+"""The driver, in native code: groups of lanes through a stretch of time, from event to event.
 
-A group starts from the fault-free run where its first fault begins.  Its masks change only at events: the steps at which
-a fault begins or ends.  While none acts, the group is compared with the fault-free run now and then; when all lanes are
-as that is, it goes on at the next event, or ends.  What is counted is the difference from the fault-free run, so a step
-left out counts nothing.
+A group starts from the fault-free run where its first fault begins, or goes on from lanes that were kept.  Its masks
+change only at events: the steps at which a fault begins or ends.  While none acts, the group is compared with the
+fault-free run now and then; when all lanes are as that is, it goes on at the next event, or at the end of the stretch.
+What is counted is the difference from the fault-free run, so a step left out counts nothing.
 """
 
 from __future__ import annotations
@@ -17,13 +17,15 @@ MOST_COUNTED = 2**15 - 1  # in 16 bits
 
 # What the driver is given, each 8 bytes: an address, or a number.
 PARAMETERS = (
-    "groups", "wide", "atoms", "first", "end", "column", "entry", "entries", "rows", "total", "prune",
-    "state", "other", "seen", "taps", "passing", "sums", "ever", "counts", "came", "runs", "blocks",
+    "groups", "going_on", "start", "stop", "wide", "atoms", "first", "end", "column", "entry", "entries", "rows", "prune",
+    "before", "after", "apart", "state", "other", "seen", "taps", "passing", "sums", "ever", "counts", "came", "columns", "blocks",
 )  # fmt: skip
-NUMBERS = {"groups", "wide", "total", "prune", "runs", "blocks"}
-# wide: faults a run has at most; atoms, first, end: (wide, groups x lanes) of int32; column: of each lane, `runs` where
-# a lane has none; entry: where each atom's entries begin, and the last's end; passing: what `taps` is without faults;
-# counts: (wires, blocks, runs) of int32 and came: (watched, runs + 1), both to be added to.
+NUMBERS = {"groups", "going_on", "start", "stop", "wide", "prune", "columns", "blocks"}
+# going_on: so many groups, the first, begin at step `start` with the lanes of `before`; all end before step `stop`, where
+# `after` takes their lanes, and `apart` of each group those that are not as the fault-free run, a number of 8 bytes;
+# wide: faults a run has at most; atoms, first, end: (wide, groups x lanes) of int32; column: of each lane, the last where
+# it has none; entry: where each atom's entries begin, and the last's end; passing: what `taps` is without faults;
+# counts: (wires, blocks, columns) of int32 and came: (watched, columns), both to be added to.
 
 ENTRY = ("keep", "turn", "keep_at", "turn_at", "size")  # an atom at a point, 8 bytes each; masks and where they go
 PACKED = 0  # a size: the lanes are the bits of one number
@@ -51,11 +53,11 @@ class Driver:
 
     def write(self) -> Routine:
         """The whole function."""
-        k, total = self.k, self.given["total"]
+        k, stop = self.k, self.given["stop"]
         with k.each(0, self.given["groups"]) as group:
             self.base.set(k.op(f"mul i64 {group}, {k.lanes}"))
-            self._begin()
-            with k.while_(lambda: k.is_("slt", "i64", self.now.value, total)):
+            self._begin(k.is_("slt", "i64", group, self.given["going_on"]))
+            with k.while_(lambda: k.is_("slt", "i64", self.now.value, stop)):
                 with k.when(k.is_("eq", "i64", self.now.value, self.next.value)):
                     self._change()
                     self._compare_from_now()
@@ -64,9 +66,9 @@ class Driver:
                 with k.when(k.op(f"and i1 {idle}, {due}")):
                     self._compare()
                 stay = k.is_("ne", "i64", self.now.value, self.next.value)
-                with k.when(k.op(f"and i1 {stay}, {k.is_('slt', 'i64', self.now.value, total)}")):
+                with k.when(k.op(f"and i1 {stay}, {k.is_('slt', 'i64', self.now.value, stop)}")):
                     self._step()
-            self._finish()
+            self._finish(group)
         return k
 
     def _prunes(self) -> str:
@@ -88,8 +90,8 @@ class Driver:
 
     # --- through time ----------------------------------------------------------------------------------------------
 
-    def _begin(self) -> None:
-        """At the first event, or with the run where nothing is left out."""
+    def _begin(self, going_on: str) -> None:
+        """With the lanes that were kept, else at the first event, or with the run where nothing is left out."""
         k = self.k
         self.counted.set(0)
         for i, missed in enumerate(self.missed):
@@ -98,7 +100,8 @@ class Driver:
         self.active.set(0)
         self.now.set(0)
         self.next.set(0)
-        with k.when(self._prunes()):
+        leaps = k.op(f"and i1 {self._prunes()}, {k.op(f'xor i1 {going_on}, true')}")
+        with k.when(leaps):
             self.next.set(NEVER)
             with k.each(0, self.given["wide"]) as place, k.each(0, k.lanes) as lane:
                 begins = self._of_lane("first", place, lane)
@@ -106,12 +109,20 @@ class Driver:
                     self.next.set(begins)
             self._leap()
         self._restore()
+        with k.when(going_on):
+            self.now.set(self.given["start"])
+            self.next.set(self.given["start"])
+            k.run("@take", f"ptr {self.before.value}", f"ptr {self._kept('before')}")
+
+    def _kept(self, name: str) -> str:
+        """Where the lanes of this group are kept, a record each."""
+        return self.k.at(self.given[name], self.k.op(f"mul i64 {self.base.value}, {self.kernel.kept.itemsize}"))
 
     def _leap(self) -> None:
         """To the next event or the end; what the fault-free run shows first in between, each lane shows."""
-        k, total = self.k, self.given["total"]
-        earlier = k.is_("slt", "i64", self.next.value, total)
-        target = k.op(f"select i1 {earlier}, i64 {self.next.value}, i64 {total}")
+        k, stop = self.k, self.given["stop"]
+        earlier = k.is_("slt", "i64", self.next.value, stop)
+        target = k.op(f"select i1 {earlier}, i64 {self.next.value}, i64 {stop}")
         here = self._row()
         self.now.set(target)
         there = self._row()  # one row stands behind the last
@@ -164,10 +175,15 @@ class Driver:
                 self._flush()
         self.now.add(1)
 
-    def _finish(self) -> None:
-        """Masks away, counts out."""
-        k = self.k
+    def _finish(self, group: str) -> None:
+        """Masks away, counts and lanes out."""
+        k, kind = self.k, f"i{self.k.lanes}"
         self._flush()
+        with k.when(k.is_("ne", "ptr", self.given["after"], "null")):
+            k.run("@give", f"ptr {self.before.value}", f"ptr {self._kept('after')}")
+            apart = k.op(f"call {kind} @diverged(ptr {self.before.value}, ptr {self._row()})")
+            apart = apart if kind == "i64" else k.op(f"zext {kind} {apart} to i64")
+            k.store("i64", apart, k.element(self.given["apart"], "i64", group), align=8)
         with k.when(k.is_("ne", "i64", self.active.value, 0)):
             k.intrinsics.add("declare void @llvm.memcpy.p0.p0.i64(ptr, ptr, i64, i1)")
             whole = f"ptr {self.given['taps']}, ptr {self.given['passing']}, i64 {self.kernel.taps.size}"
@@ -207,14 +223,14 @@ class Driver:
 
     def _flush(self) -> None:
         """The counts of this block go out, where there are any."""
-        k, kind, blocks, runs = self.k, f"<{self.k.lanes} x i16>", self.given["blocks"], self.given["runs"]
+        k, kind, blocks, columns = self.k, f"<{self.k.lanes} x i16>", self.given["blocks"], self.given["columns"]
         self.counted.set(0)
         for position in range(len(self.kernel.counted)):
             sums = k.at(self.given["sums"], position * SUM * k.lanes)
             some = k.op(f"icmp ne {kind} {k.load(kind, sums)}, zeroinitializer")
             with k.each_bit(k.op(f"bitcast <{k.lanes} x i1> {some} to i{k.lanes}")) as lane:
                 block = k.op(f"add i64 {k.op(f'mul i64 {blocks}, {position}')}, {self.block.value}")
-                index = k.op(f"add i64 {k.op(f'mul i64 {block}, {runs}')}, {self._column(lane)}")
+                index = k.op(f"add i64 {k.op(f'mul i64 {block}, {columns}')}, {self._column(lane)}")
                 place, own = k.element(self.given["counts"], "i32", index), k.element(sums, "i16", lane)
                 more = k.op(f"sext i16 {k.load('i16', own, align=2)} to i32")
                 k.store("i32", k.op(f"add i32 {k.load('i32', place, align=4)}, {more}"), place, align=4)
@@ -223,7 +239,7 @@ class Driver:
     def _came(self, wire: int, lane: str, frame: str) -> None:
         """A watched wire is true at a frame's end: keep the first."""
         k = self.k
-        row = k.op(f"mul i64 {k.op('add i64 {}, 1'.format(self.given['runs']))}, {wire}")
+        row = k.op(f"mul i64 {self.given['columns']}, {wire}")
         place = k.element(self.given["came"], "i32", k.op(f"add i64 {row}, {self._column(lane)}"))
         with k.when(k.is_("slt", "i32", frame, k.load("i32", place, align=4))):
             k.store("i32", frame, place, align=4)

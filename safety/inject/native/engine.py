@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from safety.faults import where
 from safety.inject.engine import NEVER, NONE, Batch, Outcome, Task
 from safety.inject.masks import masks
+from safety.inject.native import sweep
 from safety.inject.native.program import Program
 from safety.inject.native.tapped import tapped
 from safety.inject.space import CampaignError
@@ -79,12 +80,12 @@ class NativeEngine:
         bare = np.array([found is None for found in self._masks] + [False])  # the last stands for NONE
         special = bare[batch.atoms].any(axis=0)
         if not special.any():
-            return self._masked.run(batch, prune=self.prune)
+            return sweep.run(self._masked, batch, prune=self.prune)
         counts = {name: np.repeat(array, batch.runs, axis=1) for name, array in golden.counts.items()}
         first = {name: np.full(batch.runs, NEVER, np.int32) for name in self.task.watch}
         for program, columns, atoms in self._parts(batch, special):
             part = Batch(atoms, batch.first[:, columns], batch.end[:, columns])
-            seen = program.run(part, prune=self.prune)
+            seen = sweep.run(program, part, prune=self.prune)
             for name in counts:
                 counts[name][:, columns] = seen.counts[name]
             for name in first:

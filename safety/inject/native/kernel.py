@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 from safety.inject.kernel import live_states
 from safety.inject.native.layout import Block, Row
@@ -115,6 +116,49 @@ class Kernel:
 
     def _golden(self, k: Routine, s: State) -> str:
         return k.load_spread(s.var, "%row", self.row.places[s.var.uid])
+
+    @cached_property
+    def kept(self) -> Any:
+        """The NumPy dtype of the registers of one lane, as whole words of 8 bytes."""
+        return Row([s.var for s in self.registers], 0, 0).type
+
+    def give(self) -> Routine:
+        """`give(state, records)`: every lane as a record."""
+        return self._lane_by_lane("give")
+
+    def take(self) -> Routine:
+        """`take(state, records)`: every lane from its record."""
+        return self._lane_by_lane("take")
+
+    def _lane_by_lane(self, name: str) -> Routine:
+        k = Routine(self.target, name, ["ptr noalias %state", "ptr noalias %records"])
+        with k.each(0, k.lanes) as lane:
+            record = k.at("%records", k.op(f"mul i64 {lane}, {self.kept.itemsize}"))
+            for i, s in enumerate(self.registers):
+                place, kind = k.at("%state", self.state.offsets[s.var.uid]), f"i{8 * bytes_of(s.var)}"
+                inside = self.kept.fields[f"v{i}"][1]
+                if s.var.sort == BIT and k.packed:
+                    self._packed_lane(k, name, place, lane, k.at(record, inside))
+                elif name == "give":
+                    k.store(kind, k.load(kind, k.element(place, kind, lane)), record, inside)
+                else:
+                    k.store(kind, k.load(kind, record, inside), k.element(place, kind, lane))
+        return k
+
+    def _packed_lane(self, k: Routine, name: str, place: str, lane: str, record: str) -> None:
+        """A bit of a whole number, as a byte in a record."""
+        kind = f"i{k.lanes}"
+        shift = lane if kind == "i64" else k.op(f"trunc i64 {lane} to {kind}")
+        word = k.load(kind, place)
+        if name == "give":
+            moved = k.op(f"lshr {kind} {word}, {shift}")
+            k.store("i8", k.op(f"and i8 {k.op(f'trunc {kind} {moved} to i8')}, 1"), record)
+        else:
+            own = k.op(f"shl {kind} 1, {shift}")
+            others = k.op(f"and {kind} {word}, {k.op(f'xor {kind} {own}, -1')}")
+            bit = k.load("i8", record)
+            bit = k.op(f"shl {kind} {k.op(f'zext i8 {bit} to {kind}')}, {shift}")
+            k.store(kind, k.op(f"or {kind} {others}, {bit}"), place)
 
     def record(self) -> Routine:
         """`record(state, row)`: the first lane as the fault-free run."""

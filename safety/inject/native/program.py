@@ -5,7 +5,7 @@ from __future__ import annotations
 import ctypes
 from collections.abc import Mapping, Sequence
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from safety.inject.engine import NEVER, NONE, Batch, Outcome, Task
 from safety.inject.masks import Mask
@@ -26,6 +26,20 @@ if TYPE_CHECKING:
 POINTER, NUMBER = ctypes.c_void_p, ctypes.c_int64
 
 Act = Mapping[str, Mask] | int  # what a fault does: masks at points, or the number of its switch
+
+
+class Stretch(NamedTuple):
+    """What runs showed in a stretch of time, as differences from the fault-free run, and how they stand at its end.
+
+    `counts`: (wires, blocks, runs) from block `block` on; `came`: (watched, runs), the first true measured frame;
+    `records`: the lanes, in words of 64 bits; `apart`: whether they differ from the fault-free run.
+    """
+
+    block: int
+    counts: Array
+    came: Array
+    records: Array
+    apart: Array
 
 
 class Program:
@@ -107,36 +121,59 @@ class Program:
         counts = {n: seen[n].reshape(t.blocks, t.block).sum(axis=1, dtype=np.int32)[:, None] for n in self.task.count}
         return Outcome(counts, {name: rows[f"next{i}"][:1].copy() for i, name in enumerate(self.task.watch)})
 
-    # --- batches ---------------------------------------------------------------------------------------------------
+    # --- runs ------------------------------------------------------------------------------------------------------
 
-    def run(self, batch: Batch, *, prune: bool) -> Outcome:
-        """Run a batch, its atoms being numbers in `acts`."""
+    def stretch(
+        self, runs: Batch, start: int, stop: int, *, kept: Array | None = None, keep: bool = False, prune: bool = True
+    ) -> Stretch:
+        """Run faults, their atoms being numbers in `acts`, from step `start` to before step `stop`.
+
+        The first runs go on from the lanes `kept`, a record each; the others begin with their first fault, and without
+        `prune` at step 0.  With `keep` the lanes are kept again.
+        """
         import numpy as np
 
-        t, kernel, rows, golden = self.task.timing, self.kernel, self.rows, self.golden
-        groups, column, atoms, first, end = arranged(batch, kernel.target.lanes)
-        counts = np.empty((len(self.task.count), t.blocks, batch.runs), np.int32)
-        for i, name in enumerate(self.task.count):
-            counts[i] = golden.counts[name]
-        came = np.full((kernel.watched, batch.runs + 1), NEVER, np.int32)
-        entry, entries = self._entries
-        taps = aligned(kernel.taps.size)
+        kernel, lanes = self.kernel, self.kernel.target.lanes
+        going_on = 0 if kept is None else len(kept)
+        before = self._whole_groups(np.arange(going_on)), self._whole_groups(np.arange(going_on, runs.runs))
+        column = np.concatenate(before)
+        known = column >= 0
+        groups = len(column) // lanes
+        first, last = (int(self.rows["block"][step]) for step in (start, stop - 1))
+        columns = runs.runs + 1  # the last is of lanes that have no run
+        counts = np.zeros((len(kernel.counted), last + 1 - first, columns), np.int32)
+        came = np.full((kernel.watched, columns), NEVER, np.int32)
+        words = kernel.kept.itemsize // 8
+        records = np.zeros((len(column) if keep else 0, words), np.uint64)
+        taken = np.zeros((len(before[0]), words), np.uint64)
+        if kept is not None and going_on:
+            taken[:going_on], taken[going_on:] = kept, kept[-1]
+        apart = np.zeros(groups, np.uint64)
+        block, taps = (aligned(kernel.state.size) for _ in range(2)), aligned(kernel.taps.size)
         taps[:] = self._passing
+        wires, (entry, entries) = len(kernel.wires), self._entries
         given = {
-            **{"groups": groups, "wide": len(atoms), "atoms": atoms, "first": first, "end": end, "column": column},
-            **{"entry": entry, "entries": entries, "rows": rows, "total": t.frames * t.steps, "prune": prune},
-            **{"state": aligned(kernel.state.size), "other": aligned(kernel.state.size)},
-            **{"seen": aligned(len(kernel.wires) * WORD), "taps": taps, "passing": self._passing},
-            **{"sums": aligned(max(len(kernel.counted), 1) * kernel.target.lanes * SUM)},
-            **{"ever": aligned(len(kernel.wires) * WORD), "counts": counts, "came": came},
-            **{"runs": batch.runs, "blocks": t.blocks},
+            **{"groups": groups, "going_on": len(taken) // lanes, "start": start, "stop": stop, "prune": prune},
+            **{"wide": len(runs.atoms), "column": np.where(known, column, runs.runs).astype(np.int32)},
+            **{n: _chosen(getattr(runs, n), column, none) for n, none in (("atoms", NONE), ("first", NEVER), ("end", NEVER))},
+            **{"entry": entry, "entries": entries, "rows": self.rows, "taps": taps, "passing": self._passing},
+            **{"before": taken, "after": records if keep else 0, "apart": apart},
+            **dict(zip(("state", "other"), block, strict=True)),
+            **{"seen": aligned(wires * WORD), "ever": aligned(wires * WORD), "sums": aligned(wires * lanes * SUM)},
+            **{"counts": counts.ctypes.data - 4 * first * columns, "came": came},
+            **{"columns": columns, "blocks": counts.shape[1]},
         }
         addresses = [x.ctypes.data if isinstance(x := given[name], np.ndarray) else int(x) for name in PARAMETERS]
-        self._run(np.array(addresses, np.int64).ctypes.data)
-        return Outcome(
-            {name: counts[i] for i, name in enumerate(self.task.count)},
-            {name: came[i, :-1] for i, name in enumerate(self.task.watch)},
-        )
+        parameters = np.array(addresses, np.int64)
+        self._run(parameters.ctypes.data)
+        bits = np.unpackbits(apart.view(np.uint8), bitorder="little").reshape(groups, 64)[:, :lanes].ravel()
+        return Stretch(first, counts[:, :, :-1], came[:, :-1], records[known] if keep else records, bits[known] > 0)
+
+    def _whole_groups(self, columns: Array) -> Array:
+        """Columns filled up to whole groups by -1."""
+        import numpy as np
+
+        return np.pad(columns, (0, -len(columns) % self.kernel.target.lanes), constant_values=-1)
 
     @cached_property
     def _entries(self) -> tuple[Array, Array]:
@@ -173,32 +210,17 @@ class Program:
 def source(kernel: Kernel) -> str:
     """LLVM text of everything that a kernel's runs need."""
     steps = [kernel.faulty(), kernel.healthy(), kernel.restore(), kernel.diverged(), kernel.record()]
+    steps += [kernel.give(), kernel.take()]
     routines = [*steps, *masking(kernel), Driver(kernel).write(), recorder(kernel)]
     declared = sorted({d for routine in routines for d in routine.intrinsics})
     return "\n\n".join(["\n".join(declared), *(routine.text for routine in routines)]) + "\n"
 
 
-def arranged(batch: Batch, lanes: int) -> tuple[int, Array, Array, Array, Array]:
-    """The runs of a batch in groups: how many, the column of each lane, and its atoms, first steps and ends.
-
-    Runs that begin together share a group, those whose faults stay apart from those whose faults pass.
-    """
+def _chosen(array: Array, columns: Array, filler: int) -> Array:
+    """Columns of an array, a filler where there is none."""
     import numpy as np
 
-    none = batch.atoms == NONE
-    first, end = np.where(none, NEVER, batch.first), np.where(none, NEVER, batch.end)
-    stays = ((end == NEVER) & ~none).any(axis=0)
-    key = stays.astype(np.int64) << 62 | first.min(axis=0).astype(np.int64) << 31 | batch.atoms[0] + 1
-    order = np.argsort(key)
-    groups = -(-batch.runs // lanes)
-    padding = groups * lanes - batch.runs
-
-    def padded(array: Array, filler: int) -> Array:
-        width = [(0, 0)] * (array.ndim - 1) + [(0, padding)]
-        return np.ascontiguousarray(np.pad(array[..., order], width, constant_values=filler), np.int32)
-
-    column = padded(np.arange(batch.runs), batch.runs)
-    return groups, column, padded(batch.atoms, NONE), padded(first, NEVER), padded(end, NEVER)
+    return np.ascontiguousarray(np.where(columns >= 0, array[:, columns], filler), np.int32)
 
 
 def aligned(size: int) -> Array:

@@ -142,7 +142,8 @@ def _digest(judged: Judged) -> str:
 
 def _kinds(cells: npt.NDArray[Any], detector: npt.NDArray[Any]) -> npt.NDArray[Any]:
     """What each injection came to, as one number."""
-    return (cells.astype("u2") << 8) | detector
+    kinds: npt.NDArray[Any] = (cells.astype("u2") << 8) | detector
+    return kinds
 
 
 def _order(kinds: npt.NDArray[Any]) -> npt.NDArray[Any]:

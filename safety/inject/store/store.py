@@ -239,6 +239,7 @@ class Stored:
                 f"{self.campaign.id}: injections {header.lo} to {header.hi - 1} came to something else than before; "
                 "a campaign has to give the same answers each time: look for randomness or time in its functions"
             )
+        header = there or header  # alike, but perhaps named after another campaign that is the same
         self.shards[header.lo, header.hi] = header
         self._enter(header, self._undetected(header), seconds, worker)
 
