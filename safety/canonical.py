@@ -18,6 +18,7 @@ from safety.system import ANY
 from safety.terms.graph import Sort, Term, node, postorder
 
 PACKAGE = Path(__file__).resolve().parent
+READINGS = ("*.py", "terms/**/*.py", "kinds/**/*.py", "faults/**/*.py")  # below the package: what all analyses share
 
 
 class NoKeyError(Exception):

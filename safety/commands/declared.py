@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 import os
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -33,14 +33,15 @@ class Declared:
 
 @functools.lru_cache(maxsize=8)
 def _load(declared: Declared, root: str) -> Campaign:
+    from safety.inject.campaign import register
+
     project = open_project(Path(root))
     project.load_proofs()
     if declared.campaign not in (campaign.id for campaign in project.campaigns):
         why = "; ".join(map(str, project.problems)) or f"give all machines the same files, or set {ROOT} on this one"
         raise ProjectError(f"{root} declares no campaign {declared.campaign}: {why}")
     campaign = find(project.campaigns, declared.campaign)
-    if isinstance(campaign.model, type):
-        campaign.settings = {**campaign.settings, **fitting(campaign.model, dict(declared.settings))}
-    for name, value in declared.changes:
-        setattr(campaign, name, value)
-    return campaign
+    wanted = fitting(campaign.model, dict(declared.settings)) if isinstance(campaign.model, type) else {}
+    found = replace(campaign, settings={**campaign.settings, **wanted}, **dict(declared.changes))
+    register(campaign)  # what the files declare stays so: the next one may be wanted with other changes
+    return found

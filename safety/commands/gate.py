@@ -59,7 +59,7 @@ def _lines(campaign: str, found: Comparison) -> Iterator[str]:
         yield f"new dangerous undetected: {injection} (was {was}); {replay_command(f'{campaign}::{injection}')}"
     for injection, now in found.lost.items():
         yield f"lost detection: {injection} (now {now.replace('_', ' ')}); {replay_command(f'{campaign}::{injection}')}"
-    for injection, what in found.unclear.items():
+    for what, injection in found.unclear.items():
         yield f"changed: {what}; {replay_command(f'{campaign}::{injection}')}"
 
 

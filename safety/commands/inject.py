@@ -11,25 +11,17 @@ from __future__ import annotations
 
 import sys
 from argparse import ArgumentParser, ArgumentTypeError, Namespace
-from collections.abc import Mapping
 from contextlib import ExitStack
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from safety.commands import CommandError, options
-from safety.commands.output import data, probe, write
+from safety.commands import options
+from safety.commands.output import data, write
 from safety.commands.session import Session, work
 from safety.commands.table import table
 from safety.report.assumed import assumed_mode, mark, rests_on_assumed
 from safety.report.numbers import number
 from safety.report.schema import Entry
-from safety.system import nearest
-
-if TYPE_CHECKING:
-    from safety.commands.evaluate import Evaluate, Note, Order
-    from safety.commands.injecting import Wishes
-    from safety.commands.selection import Item
-    from safety.project import Project
 
 EXAMPLES = """
 rightside inject                                 all campaigns
@@ -80,9 +72,11 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 def run(args: Namespace) -> int:
     """Carry out the verb."""
-    _refuse(args)
+    from safety.commands.inject_checks import check, refuse
+
+    refuse(args)
     with ExitStack() as stack:
-        session = work(args, "campaigns", check=lambda session: _check(session, args, stack))
+        session = work(args, "campaigns", check=lambda session: check(session, args, stack))
     entries = session.results.get("campaigns", [])
     if entries:
         _write(args, session)
@@ -103,9 +97,6 @@ def run(args: Namespace) -> int:
     return session.code
 
 
-# --- what is asked ---------------------------------------------------------------------------------------------------
-
-
 def _target(text: str) -> tuple[str, str]:
     """`0.9`, `90%` or `ring=9/10`: a campaign's id, empty for all, and the exact share."""
     name, _, share = text.rpartition("=")
@@ -116,93 +107,6 @@ def _number(text: str) -> int:
     if not text.isdecimal():
         raise ArgumentTypeError(f"{text!r}: give how many, 0 or more")
     return int(text)
-
-
-def _refuse(args: Namespace) -> None:
-    """Refuse what cannot be written, or contradicts itself, before hours of work."""
-    for target in filter(None, (args.write_baseline, args.sarif, args.junit, args.csv, args.xlsx)):
-        probe(Path(target))
-    if args.baseline and args.baseline == args.write_baseline:
-        raise CommandError(f"--baseline and --write-baseline are both {args.baseline}: compare first, then accept")
-    if args.xlsx:
-        try:
-            import openpyxl  # noqa: F401
-        except ImportError:
-            raise CommandError("--xlsx: openpyxl is not installed; pip install rightside[xlsx]") from None
-    if args.shard and args.write_baseline:
-        raise CommandError("--write-baseline with --shard would keep a part; write it where the shards are merged")
-
-
-def _check(session: Session, args: Namespace, stack: ExitStack) -> Evaluate | None:
-    """Refuse targets and baselines that do not fit; what works in this process where results are kept in a store."""
-    from safety.commands.evaluate import find
-    from safety.commands.injecting import EVERY, Wishes, prepare, records
-
-    wishes = Wishes(
-        args.engine, not args.no_collapse, args.audit, dict(args.targets), args.baseline or "",
-        bool(args.write_baseline), args.shrink, args.csv or "", args.xlsx or "", args.shard or "",
-        several=len(session.chosen) > 1,
-    )  # fmt: skip
-    args.injecting = wishes.__dict__
-
-    known = [campaign.id for campaign in session.project.campaigns]
-    for name in wishes.targets:
-        if name != EVERY and name not in known:
-            raise CommandError(f"--target-coverage {name}=...: no campaign {name!r}; {nearest(name, known)}")
-    if args.write_baseline and Path(args.write_baseline).exists():
-        records(args.write_baseline)
-    settings = {**session.project.config.settings, **dict(args.settings)}
-    kept = _kept(args, session, wishes, settings, stack)
-    if wishes.baseline or kept:
-        for item in session.chosen:
-            prepare(find(session.project.campaigns, item.id), wishes, settings)
-    if wishes.baseline and not session.project.problems:
-        _fits(session, records(wishes.baseline), wishes.baseline)
-    return kept
-
-
-def _fits(session: Session, there: Mapping[str, Any], file: str) -> None:
-    """Refuse a baseline of other campaigns."""
-    from safety.commands.evaluate import find
-    from safety.inject.baseline import same_campaign
-
-    chosen = [item.id for item in session.chosen]
-    new, gone = [name for name in chosen if name not in there], [name for name in there if name not in chosen]
-    write = f"`rightside inject --write-baseline {file}` accepts what is found now"
-    if new:
-        raise CommandError(f"{file} has no campaign {new[0]!r}; it has {', '.join(there) or 'none'}; {write}")
-    if gone and not session.part:
-        raise CommandError(f"{file} has the campaign {gone[0]!r}, which the project no longer declares; {write}")
-    for name in chosen:
-        same_campaign(there[name], find(session.project.campaigns, name), file)
-
-
-def _kept(
-    args: Namespace, session: Session, wishes: Wishes, settings: Mapping[str, Any], stack: ExitStack
-) -> Evaluate | None:
-    if not (args.store or args.resume or args.shard or args.merge or args.executor):
-        return None
-    from safety.commands.evaluate import Answer, find
-    from safety.commands.injecting import injected
-    from safety.commands.sharding import Kept
-    from safety.inject.store import FOLDER, Part, open_executor
-
-    root = session.project.root
-    Part.parse(args.shard or "1/1")
-    jobs = args.jobs or session.project.config.jobs or options.cores()
-    executor = stack.enter_context(open_executor(args.executor or "processes", workers=jobs))
-    kept = Kept(
-        Path(args.store) if args.store else root / FOLDER, executor, root, settings, wishes,
-        resume=args.resume or bool(args.merge), merge=args.merge, told=lambda text: print(text, file=sys.stderr),
-    )  # fmt: skip
-
-    def here(project: Project, item: Item, order: Order, note: Note) -> Answer:
-        return Answer(item, injected(find(project.campaigns, item.id), wishes, root, note, kept.run))
-
-    return here
-
-
-# --- what is shown and written ---------------------------------------------------------------------------------------
 
 
 def _write(args: Namespace, session: Session) -> None:
@@ -231,7 +135,7 @@ def _write(args: Namespace, session: Session) -> None:
 def _write_baseline(session: Session, file: Path) -> None:
     """Write the records of what ran; of a part, those of the other campaigns stay."""
     from safety.commands.injecting import records
-    from safety.inject.baseline import dumps
+    from safety.inject.baseline_file import dumps
 
     without = [item.id for item in session.chosen if item.id not in session.records]
     if without or session.project.problems:

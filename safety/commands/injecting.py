@@ -140,7 +140,7 @@ def _hold_against(entry: Entry, result: Result, wishes: Wishes) -> None:
 
 def records(file: str) -> dict[str, dict[str, Any]]:
     """The records of a baseline file.  Raises `CampaignError` for a file that is none, `CommandError` without one."""
-    from safety.inject.baseline import loads
+    from safety.inject.baseline_file import loads
 
     try:
         return loads(Path(file).read_text(encoding="utf-8"), file)

@@ -17,10 +17,9 @@ from safety.commands import INPUT_ERROR, INTERRUPTED, CommandError, memory
 from safety.commands.evaluate import Entry, Order, find
 from safety.commands.options import cores
 from safety.commands.output import probe, write_plain
-from safety.commands.recall import folder
+from safety.commands.recall import folder, key_of
 from safety.commands.screen import Screen
 from safety.commands.selection import Item, items, select
-from safety.commands.snapshot import Snapshot
 from safety.commands.workers import Workers
 from safety.project import Project, open_project
 from safety.prove.cache import Cache
@@ -66,29 +65,32 @@ def run(args: Namespace) -> int:
 
 
 def examined(project: Project, item: Item, order: Order) -> Entry:
-    """A worker's answer to one piece of work: the fate of each of its mutants, or what an earlier run has found.
+    """A worker's answer to one piece of work: the fate of each of its mutants, or what an earlier run has found."""
+    from safety.prove.mutants import examine
 
-    What is kept goes by the text of the project and of this package, the claims, the mutants and the time allowed.
-    """
     began = time.perf_counter()
+    numbers = [int(number) for number in item.expect.split()]
+    subject = _subject(tuple(item.statement.split()), order.timeout)
     cache = Cache(folder(project.root), lambda text: print(text, file=sys.stderr)) if order.cache else None
-    known = key = None
-    if cache is not None:
-        asked = [Snapshot(project.root, cache).key, item.statement, item.expect, str(order.timeout)]
-        key = hashlib.sha256("\n".join(asked).encode()).hexdigest()
-        known = cache.get(key)
-    found = known or _examined(project, item, order)
-    if cache is not None and key is not None and known is None:
-        cache.put(key, found)
+    key = _key(subject, numbers) if cache is not None else None
+    found = cache.get(key) if cache is not None and key else None
+    if found is None:
+        found = [_entry(project.root, item.model, subject.mutants, fate) for fate in examine(subject, numbers)]
+        if cache is not None and key:
+            cache.put(key, found)
     return {"id": item.id, "mutants": found, "seconds": round(time.perf_counter() - began, 3)}
 
 
-def _examined(project: Project, item: Item, order: Order) -> list[Entry]:
-    from safety.prove.mutants import examine
+def _key(subject: Subject, numbers: Sequence[int]) -> str | None:
+    """What the fates of some mutants rest on: the claims' problems, the prover, the mutants, the time; None without."""
+    from safety.prove.outcome import Limits
 
-    subject = _subject(tuple(item.statement.split()), order.timeout)
-    fates = examine(subject, [int(number) for number in item.expect.split()])
-    return [_entry(project.root, item.model, subject.mutants, fate) for fate in fates]
+    limits = Limits(subject.timeout)
+    keys = {case.claim.id: key_of(case.as_written, limits) for case in (*subject.proved, *subject.refuted)}
+    asked = [f"{number} {subject.mutants[number]}" for number in numbers]
+    if None in keys.values():
+        return None
+    return hashlib.sha256(repr((SCHEMA, keys, asked, subject.timeout)).encode()).hexdigest()
 
 
 @functools.lru_cache(maxsize=1)  # pieces of one model come in a row

@@ -77,16 +77,21 @@ def machine(system: System, outputs: Mapping[str, Term]) -> str:
     inputs = [reading.bind(v, names.new(name)) for name, v in system.inputs.items()]
     held = {s: reading.bind(s.var, names.new(s.path)) for s in system.states}
     following, seen = reading([s.next for s in system.states]), reading(ports.values())
-    nodes = below([*following, *seen])
+    whole = below([*following, *seen])
+    taken = {x.number for x in following if x.op == "var"}  # read before it changes
+    nodes = [x for x in whole if x.op != "var" or x.number in taken]
     local = {x.number: names.new(f"n{x.number}") for x in nodes}
+    value = {x.number: f"\\{x.attr} " if x.op == "var" else local[x.number] for x in whole}
     lines = [f"  reg {_range(x.sort)}\\{x.attr} ;" for x in held.values()]
     lines += [f"  reg {_range(x.sort)}{local[x.number]};" for x in nodes]
     for s, x in held.items():
-        if (value := power_up(s)) is not None:
-            lines.append(f"  initial \\{x.attr} = {_constant(int(value), x.sort)};")
-    read = [f"\\{x.attr} " if x.op == "var" else _text(x, [local[a.number] for a in x.args]) for x in nodes]
-    steps = [f"{local[x.number]} = {text};" for x, text in zip(nodes, read, strict=True)]
-    steps += [f"{port} = {local[x.number]};" for port, x in zip(ports, seen, strict=True)]
+        if (start := power_up(s)) is not None:
+            lines.append(f"  initial \\{x.attr} = {_constant(int(start), x.sort)};")
+    steps = [
+        f"{local[x.number]} = {value[x.number] if x.op == 'var' else _text(x, [value[a.number] for a in x.args])};"
+        for x in nodes
+    ]
+    steps += [f"{port} = {value[x.number]};" for port, x in zip(ports, seen, strict=True)]
     steps += [f"\\{x.attr} = {local[after.number]};" for x, after in zip(held.values(), following, strict=True)]
     declared = [f"input {clock}", *(f"input {_range(x.sort)}\\{x.attr} " for x in inputs)]
     declared += [f"output reg {_range(x.sort)}{port}" for port, x in zip(ports, seen, strict=True)]

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import functools
+import itertools
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import cast
 
 from safety.faults.fault import FROM_START, INTERMITTENT, TRANSIENT, Fault
-from safety.faults.places import Placed, placed, where
+from safety.faults.places import Placed, names_of, placed
 from safety.kinds import PART, Part, Seat, choose
 from safety.system import ANY, ModelError, State, System, repeat, substeps, substitute
 from safety.terms import Bit, UInt, select, word
@@ -35,8 +36,9 @@ class Faulted:
     """A system with faults.
 
     `present[i]`: fault i is in the equipment, now or later; `active[i]`: it acts at this step; `acted[i]`: it acted
-    before this step (a register; a fault from the start counts as having acted before the first step).  `draws`: what
-    a run chooses by the number of the step, by name of the input, where its schedule says nothing.
+    before this step (a register; a fault from the start counts as having acted before the first step).  `where[i]`:
+    full names of the points and registers at which it acts.  `draws`: what a run chooses by the number of the step, by
+    name of the input, where its schedule says nothing.
     """
 
     system: System
@@ -44,17 +46,13 @@ class Faulted:
     present: tuple[Bit, ...]
     active: tuple[Bit, ...]
     acted: tuple[Bit, ...]
+    where: tuple[tuple[str, ...], ...] = ()
     draws: Mapping[str, Callable[[int], Value]] = field(default_factory=dict)
 
     @property
     def choices(self) -> list[str]:
         """Names of the inputs that are the faults' free choices."""
         return [name for name in self.system.inputs if _FREE.match(name)]
-
-    @functools.cached_property
-    def where(self) -> list[list[str]]:
-        """Full names of the points and registers at which each fault acts."""
-        return [where(self.system, fault) for fault in self.faults]
 
 
 def instrument(system: System, faults: Sequence[Fault], *, present: bool | None = True) -> Faulted:
@@ -70,16 +68,19 @@ def instrument(system: System, faults: Sequence[Fault], *, present: bool | None 
     work = _Instrument(system)
     acting = [work.activity(i, fault, present) for i, fault in enumerate(faults)]
     there, active, acted = zip(*acting, strict=True) if acting else ((), (), ())
-    places = [(i, fault, place) for i, fault in enumerate(faults) for place in placed(system, fault)]
-    for i, fault, place in places:
+    places = [placed(system, fault) for fault in faults]
+    each = [(i, fault, place) for i, fault in enumerate(faults) for place in places[i]]
+    for i, fault, place in each:
         if place.kind.place != PART:
-            work.at_points(fault, place, Seat(f"{present_name(i)}.{place.label}", active[i]))
+            work.at_points(fault, place, Seat(f"{present_name(i)}.{place.names[0]}", active[i]))
     changed = work.with_points_seen()
-    for i, _, place in places:
+    for i, fault, place in each:
         if place.kind.place == PART:
-            changed = work.at_registers(changed, place, Seat(f"{present_name(i)}.{place.label}", active[i]))
+            seat = Seat(f"{present_name(i)}.part of {place.names[0]}", active[i])
+            changed = work.at_registers(changed, fault, place, seat)
     whole = replace(changed, states=(*changed.states, *work.states), inputs={**changed.inputs, **work.inputs})
-    return Faulted(whole, tuple(faults), there, active, acted, work.draws)
+    where = tuple(names_of(found) for found in places)
+    return Faulted(whole, tuple(faults), there, active, acted, where, work.draws)
 
 
 class _Instrument:
@@ -135,23 +136,29 @@ class _Instrument:
         before = tuple(self.seen[name] for name in place.names)
         joint = place.kind.joint
         after = joint(seat, before) if joint else (place.kind.effect(seat, before[0]),)
-        own = bool(joint or seat.states or seat.inputs) or fault.onset != FROM_START
-        for name, then, otherwise in zip(place.names, after, before, strict=True):
-            if own and len(self.copies[name]) > 1:
+        if joint or seat.states or seat.inputs or fault.onset != FROM_START:
+            self._refuse_steps_as_one(place.names)
+        for name, chosen in zip(place.names, _chosen(fault, place, seat, after, before), strict=True):
+            self.seen[name] = chosen
+        self._take(seat)
+
+    def at_registers(self, system: System, fault: Fault, place: Placed, seat: Seat) -> System:
+        """A kind at the registers of a part, after what is there already."""
+        assert place.kind.update is not None
+        self._refuse_steps_as_one(self.copies)
+        part = Part(tuple(s for s in system.states if s.path in place.names))
+        before = tuple(s.next for s in part.states)
+        chosen = _chosen(fault, place, seat, place.kind.update(seat, part), before)
+        following = dict(zip(place.names, chosen, strict=True))
+        self._take(seat)
+        return replace(system, states=tuple(replace(s, next=following.get(s.path, s.next)) for s in system.states))
+
+    def _refuse_steps_as_one(self, points: Iterable[str]) -> None:
+        for name in points:
+            if len(self.copies[name]) > 1:
                 raise ModelError(
                     f"{self.system.name} has {name!r} in several steps taken as one; build its fault in before"
                 )
-            self.seen[name] = choose(seat.active, then, otherwise)
-        self._take(seat)
-
-    def at_registers(self, system: System, place: Placed, seat: Seat) -> System:
-        """A kind at the registers of a part, after what is there already."""
-        assert place.kind.update is not None
-        part = Part(tuple(s for s in system.states if s.path in place.names))
-        after = place.kind.update(seat, part)
-        following = {s.path: choose(seat.active, value, s.next) for s, value in zip(part.states, after, strict=True)}
-        self._take(seat)
-        return replace(system, states=tuple(replace(s, next=following.get(s.path, s.next)) for s in system.states))
 
     def _take(self, seat: Seat) -> None:
         self.states += seat.states
@@ -216,6 +223,15 @@ class _Instrument:
             f"{self.system.name}: joined points depend on each other within one step: {circle}; "
             "join points with a register between them, or write late=True: each meets the others' last values"
         )
+
+
+def _chosen(fault: Fault, place: Placed, seat: Seat, after: Sequence[Term], before: Sequence[Term]) -> Iterator[Term]:
+    """What an effect gives while the fault acts, what was there else.  Raises `ModelError` where they do not fit."""
+    for name, then, otherwise in itertools.zip_longest(place.names, after, before):
+        if not isinstance(then, Term) or then.sort != otherwise.sort:
+            given = then.sort if isinstance(then, Term) else repr(then)
+            raise ModelError(f"fault {fault.name!r}: the effect gives {given} at {name}, a {otherwise.sort}")
+        yield choose(seat.active, then, otherwise)
 
 
 def any_active(faulted: Faulted, prefix: str = "") -> Bit:

@@ -18,7 +18,6 @@ class Placed:
 
     kind: Kind
     names: tuple[str, ...]
-    label: str  # what the seat is called after: the first point, or the parts as they were named
 
 
 def matching(system: System, patterns: Iterable[str]) -> list[str]:
@@ -73,12 +72,12 @@ def _placed(system: System, fault: Fault, kind: Kind, points: Sequence[str]) -> 
     if kind.place == PART:
         registers = registers_of(system, points)
         _check_sorts(fault, kind, {p: system.state[p].var.sort for p in registers})
-        return [Placed(kind, tuple(registers), "+".join(points))]
+        return [Placed(kind, tuple(registers))]
     names = matching(system, points)
     sorts = {p: system.points[p].sort for p in names}
     _check_sorts(fault, kind, sorts)
     if kind.place != POINTS:
-        return [Placed(kind, (p,), p) for p in names]
+        return [Placed(kind, (p,)) for p in names]
     least, most = kind.at_once
     if not least <= len(names) <= (most or len(names)):
         wanted = f"{least}" if most == least else f"{least} or more"
@@ -87,7 +86,7 @@ def _placed(system: System, fault: Fault, kind: Kind, points: Sequence[str]) -> 
     if len(set(sorts.values())) > 1:
         found = ", ".join(f"{p} is {sort}" for p, sort in sorts.items())
         raise ModelError(f"fault {fault.name!r}: {kind} joins points of one sort; {found}")
-    return [Placed(kind, tuple(names), names[0])]
+    return [Placed(kind, tuple(names))]
 
 
 def _check_sorts(fault: Fault, kind: Kind, sorts: dict[str, Sort]) -> None:
@@ -97,6 +96,11 @@ def _check_sorts(fault: Fault, kind: Kind, sorts: dict[str, Sort]) -> None:
             raise ModelError(f"fault {fault.name!r}: {kind} does not apply to {name}, a {sort}; it is for {wanted}")
 
 
-def where(system: System, fault: Fault) -> list[str]:
-    """Full names of the points or registers at which a fault acts, each once."""
-    return list(dict.fromkeys(name for place in placed(system, fault) for name in place.names))
+def names_of(places: Iterable[Placed]) -> tuple[str, ...]:
+    """The points and registers of some places, each once."""
+    return tuple(dict.fromkeys(name for place in places for name in place.names))
+
+
+def where(system: System, fault: Fault) -> tuple[str, ...]:
+    """Full names of the points or registers at which a fault acts, each once; raises as `placed` does."""
+    return names_of(placed(system, fault))

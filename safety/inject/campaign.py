@@ -203,7 +203,7 @@ class Campaign:
             from safety.inject.collapse import collapse
 
             task = self.variant(scenario).task
-            self._collapses[scenario] = collapse(task.system, task.atoms, (*task.count, *task.watch), self.order)
+            self._collapses[scenario] = collapse(task.system, task.atoms, (*task.count, *task.watch))
         return self._collapses[scenario]
 
     @cached_property

@@ -2,19 +2,20 @@
 
 1. The same masks at the same points at the same time are one fault, whatever else is broken.
 2. What nothing that is looked at depends on, now or later, may read anything.
-3. A single fault at a place that one other place alone reads is one at that place, where its mask can be told there:
-   an inverter, the controlling value of a gate, a bit out of a word, a point of another name (fault collapsing of
+3. A fault at a place that one other place alone reads is one at that place, where its mask can be told there: an
+   inverter, the controlling value of a gate, a bit out of a word, a point of another name (fault collapsing of
    McCluskey and Clegg, IEEE Trans. Computers C-20 (1971), here on words, and at each step of a fault's time).
-4. A single fault on a constant is what it makes of the constant; one that keeps it changes nothing.
+4. A fault on a constant is what it makes of the constant; one that keeps it changes nothing.
 
-Rules 3 and 4 speak of one fault at a time, so pairs and triples are collapsed by the first two only.
+Rules 3 and 4 hold whatever the values elsewhere are, so also beside other faults, unless one of these acts on the way
+(3) or on what makes the constant (4): that is the zone of a fault.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from safety.faults import Fault, where
 from safety.inject.engine import NONE
@@ -27,23 +28,41 @@ if TYPE_CHECKING:
     import numpy as np
     import numpy.typing as npt
 
+    from safety.inject.ranks import Positions
+
     Leaders = npt.NDArray[np.int64]
+    Table = npt.NDArray[np.bool_]
 
 
 @dataclass(frozen=True, eq=False)
 class Collapse:
     """Which single fault is run for each: itself, an earlier one, or `NONE` where it cannot show.
 
-    `idle`: the faults that leave the equipment as it is.
+    `always`: by rules 1 and 2; `leaders`: by all, of a fault in whose zone no other acts; `apart[f, g]`: fault g does
+    not act in the zone of f, nor in that of its leader.  `idle`: the faults that leave the equipment as it is.
     """
 
+    always: Leaders
     leaders: Leaders
-    idle: npt.NDArray[np.bool_]
+    apart: Table
+    idle: Table
 
     @property
     def nothing(self) -> bool:
         """Whether each fault is run for itself."""
         return bool((self.leaders == range(len(self.leaders))).all())
+
+    def representatives(self, members: Positions) -> Positions:
+        """What is run for combinations of faults, of shape (order, combinations): the same shape, ascending."""
+        import numpy as np
+
+        found = self.always[members]
+        for row in range(len(found)):
+            own, free = found[row], found[row] != NONE
+            for other in (o for k, o in enumerate(found) if k != row):
+                free = free & ((other == NONE) | self.apart[own, other])
+            found[row] = np.where(free, self.leaders[own], own)
+        return np.sort(found, axis=0)  # those in each other's zones keep their order: they stayed as they were
 
     def to_json(self) -> dict[str, int]:
         """How many single faults there are, are run, and cannot show."""
@@ -51,32 +70,52 @@ class Collapse:
         return {"single_faults": len(self.leaders), "run": own, "cannot_show": int((self.leaders == NONE).sum())}
 
 
-def collapse(system: System, faults: Sequence[Fault], looked_at: Iterable[str], order: int) -> Collapse:
-    """Collapse single faults, of which `order` occur together; `looked_at` names the signals that are."""
+@dataclass(frozen=True)
+class End:
+    """Where a fault ends up: its masks by place, and the points of its zone."""
+
+    seen: Mapping[object, Mask]
+    zone: frozenset[str]
+
+
+def collapse(system: System, faults: Sequence[Fault], looked_at: Iterable[str]) -> Collapse:
+    """Collapse single faults; `looked_at` names the signals that are.  Raises `ModelError` for one that fits nowhere."""
     import numpy as np
 
     found = [masks(system, fault) for fault in faults]
-    others = [name for fault, m in zip(faults, found, strict=True) if m is None for name in where(system, fault)]
+    places = [frozenset(where(system, fault)) for fault in faults]
+    others = [name for m, names in zip(found, places, strict=True) if m is None for name in names]
     graph = Graph.of(system, looked_at, others)
-    classes: dict[object, int] = {}
-    leaders = []
-    for place, (fault, at) in enumerate(zip(faults, found, strict=True)):
-        seen = None if at is None else graph.seen(at, alone=order == 1)
-        if seen is None:
-            leaders.append(place)
-        elif not seen:
-            leaders.append(NONE)
-        else:
-            leaders.append(classes.setdefault((window(fault), frozenset(seen.items())), place))
+    ends = [None if m is None else graph.end(m) for m in found]
+    shown = [None if m is None else {p: mask for p, mask in m.items() if p in graph.places} for m in found]
+    always = _leaders(faults, shown)
+    leaders = _leaders(faults, [None if end is None else end.seen for end in ends])
+    zones = [names if end is None else names | end.zone for names, end in zip(places, ends, strict=True)]
+    both = [zone if led == NONE else zone | zones[led] for zone, led in zip(zones, leaders, strict=True)]
+    names = sorted({name for names in places for name in names})
+    acts, zone = (np.array([[n in s for n in names] for s in sets], dtype=np.float32) for sets in (places, both))
     idle = [m is not None and changes_nothing(system, m) for m in found]
-    return Collapse(np.array(leaders, dtype=np.int64), np.array(idle, dtype=np.bool_))
+    return Collapse(np.array(always), np.array(leaders), zone @ acts.T == 0, np.array(idle, dtype=np.bool_))
+
+
+def _leaders(faults: Sequence[Fault], seen: Sequence[Mapping[Any, Mask] | None]) -> list[int]:
+    """The first fault of the same masks at the same places and time; of one without masks, itself."""
+    classes: dict[object, int] = {}
+    return [
+        place
+        if masks is None
+        else classes.setdefault((window(fault), frozenset(masks.items())), place)
+        if masks
+        else NONE
+        for place, (fault, masks) in enumerate(zip(faults, seen, strict=True))
+    ]
 
 
 @dataclass(frozen=True)
 class Graph:
     """What shows of a system: the terms of points, who reads a term (`None`: a register or a look), constants."""
 
-    places: Mapping[str, list[Term]]  # terms of each point
+    places: Mapping[str, list[Term]]
     readers: Mapping[int, list[Term | None]]
     constants: Mapping[int, int]
 
@@ -100,32 +139,33 @@ class Graph:
         constants = {t.uid: int(f.attr) for t, f in zip(order, folded, strict=True) if f.is_const and _bits(t)}
         return cls(places, readers, constants)
 
-    def seen(self, at: Mapping[str, Mask], *, alone: bool) -> dict[object, Mask] | None:
-        """The masks where they show, none where nothing does; a fault that is `alone` is followed to where it ends."""
+    def end(self, at: Mapping[str, Mask]) -> End:
+        """Where masks show when no other fault acts in their zone; nowhere, where nothing does."""
         seen: dict[object, Mask] = {point: mask for point, mask in at.items() if point in self.places}
-        if not alone or len(seen) != 1:
-            return seen
-        (point, mask), *_ = seen.items()
-        if len(self.places[str(point)]) > 1:
-            return seen
-        end = self._followed(self.places[str(point)][0], mask)
-        return {} if end is None else {end[0].uid: end[1]}
+        terms = [term for point in seen for term in self.places[str(point)]]
+        if len(terms) != 1:
+            return End(seen, frozenset())
+        (mask,) = seen.values()
+        return self._followed(terms[0], mask)
 
-    def _followed(self, term: Term, mask: Mask) -> tuple[Term, Mask] | None:
-        """The last place at which a mask can be told, or None where it changes nothing."""
+    def _followed(self, term: Term, mask: Mask) -> End:
+        """Up to the last place at which a mask can be told."""
+        zone: set[str] = set()
         while True:
-            passing = Mask(int(term.sort.bounds[1]), 0)
             if term.uid in self.constants:
                 healthy = self.constants[term.uid]
                 mask = Mask(0, healthy & mask.keep ^ mask.turn)
+                zone |= {t.attr for t in postorder([term]) if t.op == "point"}
                 if mask.turn == healthy:
-                    return None
-            if mask == passing:
-                return None
+                    return End({}, frozenset(zone))
+            if mask == Mask(int(term.sort.bounds[1]), 0):
+                return End({}, frozenset(zone))
+            if term.op == "point":
+                zone.add(term.attr)
             reader = self.readers[term.uid][0] if len(self.readers[term.uid]) == 1 else None
             further = None if reader is None else told(reader, term, mask)
             if reader is None or further is None:
-                return term, mask
+                return End({term.uid: mask}, frozenset(zone))
             term, mask = reader, further
 
 

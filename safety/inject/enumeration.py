@@ -53,7 +53,7 @@ def enumerate_space(
         )
     noun = NOUNS[order] if order == 1 else f"{NOUNS[order]} of {len(singles)} faults"
     if onsets is not None:
-        noun += f" at {len(onsets)} onsets"
+        noun += f" at {len(onsets)} onsets" if len(onsets) > 1 else f" at step {onsets[0]}"
     where = f" in each of {scenarios} drawn scenarios" if scenarios > 1 else ""
     return _chosen(whole, noun, where, sample, seed)
 

@@ -32,18 +32,28 @@ def estimate(result: Result, good: Cells, bad: Cells) -> Share | None:
     hits, of = _sum(result.tally, good), _sum(result.tally, (*good, *bad))
     if result.interrupted or not of:
         return None
+    of_all = {*good, *bad} == {*CELLS}
     if result.campaign.vary:
         scenarios = result.by_scenario.values()
         goods, bads = ([_part(tally, cells) for tally in scenarios] for cells in (good, bad))
-        return _over_scenarios(goods, bads, confidence)
+        return _over_scenarios(goods, bads, confidence, of_all=of_all)
     if space.by_group and not result.exhaustive:
         strata = [
-            Stratum(name, Fraction(space.sizes[name]), t.injections, 0, _sum(t, good), _sum(t, bad), whole)
+            Stratum(
+                name,
+                Fraction(space.sizes[name]),
+                t.injections,
+                0,
+                _sum(t, good),
+                _sum(t, bad),
+                whole,
+                space.sizes[name],
+            )
             for name, t in result.groups.items()
             for whole in [t.injections == space.sizes[name]]
         ]
         return weighted(strata, safe_too=False, confidence=confidence)
-    known = space.population if {*good, *bad} == {*CELLS} else None
+    known = space.population if of_all else None
     return share(hits, of, exhaustive=result.exhaustive, confidence=confidence, population=known)
 
 
@@ -66,21 +76,24 @@ def by_rate(result: Result, good: Cells, bad: Cells) -> Share | None:
     if campaign.vary:
         scenarios = list(zip(*(row.scenarios for row in rows), strict=True))
         goods, bads = ([_weighed(rates, under, cells) for under in scenarios] for cells in (good, bad))
-        return _over_scenarios(goods, bads, campaign.confidence)
+        return _over_scenarios(goods, bads, campaign.confidence, of_all=False)
     strata = [
-        Stratum(row.group.name, rate, row.tally.injections, 0, _sum(row.tally, good), _sum(row.tally, bad), whole)
+        Stratum(
+            row.group.name, rate, row.tally.injections, 0, _sum(row.tally, good), _sum(row.tally, bad), whole, row.of
+        )
         for row, rate in zip(rows, rates, strict=True)
         for whole in [row.exhaustive]
     ]
     return weighted(strata, safe_too=False, confidence=campaign.confidence)
 
 
-def _over_scenarios(good: Sequence[Fraction], bad: Sequence[Fraction], confidence: float) -> Share | None:
-    """From the shares of both under each scenario."""
+def _over_scenarios(
+    good: Sequence[Fraction], bad: Sequence[Fraction], confidence: float, *, of_all: bool
+) -> Share | None:
+    """From the shares of both under each scenario; `of_all`: there is nothing else, under any scenario."""
     goods, bads = sum(good, Fraction(0)), sum(bad, Fraction(0))
     if not goods + bads:
         return None
-    of_all = all(g + b == 1 for g, b in zip(good, bad, strict=True))
     bounds = clustered(good, confidence) if of_all else clustered_ratio(good, bad, confidence)
     return Share(float(goods / (goods + bads)), *bounds)
 

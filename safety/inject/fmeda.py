@@ -22,10 +22,9 @@ from safety.inject.space import CampaignError, Group
 from safety.inject.statistics import (
     Stratum,
     Trials,
-    any_population,
+    bounds,
     clustered,
     clustered_ratio,
-    hypergeometric_limits,
     total,
     weighted,
 )
@@ -109,11 +108,10 @@ class Row:
         if self.scenarios:
             return _exactly(clustered(self.shares(RATES[name]), self.confidence)) if self.at_random else UNKNOWN
         if self.of is None:
-            return _exactly(any_population(found, tried, self.confidence)) if self.at_random else UNKNOWN
-        least, greatest = found, self.of - (tried - found)
+            return bounds(found, tried, None, self.confidence) if self.at_random else UNKNOWN
         if self.at_random and not self.exhaustive:
-            least, greatest = hypergeometric_limits(found, tried, self.of, self.confidence)
-        return Fraction(least, self.of), Fraction(greatest, self.of)
+            return bounds(found, tried, self.of, self.confidence)
+        return Fraction(found, self.of), Fraction(self.of - (tried - found), self.of)
 
     def _bounds_of_fraction(self, name: str) -> tuple[Fraction, Fraction]:
         """Of those not tried, it is not known how many have an effect."""
@@ -122,7 +120,7 @@ class Row:
             shares = self.shares(GOOD[name]), self.shares(("wrong/no",))
             return _exactly(clustered_ratio(*shares, self.confidence)) if self.at_random else UNKNOWN
         if self.at_random and not self.exhaustive:
-            return _exactly(any_population(found, tried, self.confidence))
+            return bounds(found, tried, None, self.confidence)
         if self.of is None:
             return UNKNOWN
         untried = self.of - self.tally.injections
@@ -143,6 +141,7 @@ class Row:
             t.dangerous_detected,
             t.dangerous_undetected,
             exhaustive,
+            self.of,
         )
 
     def to_json(self) -> dict[str, Any]:
@@ -196,7 +195,7 @@ class Total:
             strata = [row.stratum(exhaustive=row.exhaustive) for row in rows]
             return Figure.of(weighted(strata, safe_too=name == "safe_failure_fraction", confidence=confidence))
         trials = [
-            Trials(r.group.name, cast(Fraction, r.rate), count(r.tally, name), r.tally.injections, r.exhaustive)
+            Trials(r.group.name, cast(Fraction, r.rate), count(r.tally, name), r.tally.injections, r.exhaustive, r.of)
             for r in rows
         ]
         return Figure.of(total(trials, confidence))

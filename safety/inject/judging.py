@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 
     from safety.inject.campaign import Campaign
 
+    from safety.inject.ranks import Positions
+
     Bytes = npt.NDArray[np.uint8]
     Frames = npt.NDArray[np.uint32]
 
@@ -99,32 +101,42 @@ def _plain(campaign: Campaign, scenario: int, low: int, high: int) -> Judged:
 
 
 def _collapsed(campaign: Campaign, scenario: int, low: int, high: int) -> Judged:
-    """Run the leaders of the range; every other injection is as its leader, where that is in the range too."""
+    """Run what stands for the injections of the range, each once; all others come out as that."""
+    import numpy as np
+
+    collapse, space = campaign.collapse(scenario), campaign.space
+    batch = space.batch(low, high)
+    if not campaign.collapsing or collapse.nothing:
+        return _run(campaign, scenario, batch)
+    members = batch.atoms.astype(np.int64)
+    led = collapse.representatives(members)
+    other = np.flatnonzero((led != members).any(axis=0))
+    source = np.arange(high - low)
+    source[other] = _sources(campaign, scenario, low, high, led[:, other], other)
+    run = np.flatnonzero((source == np.arange(high - low)) & (led != NONE).any(axis=0))
+    found = Judged.alike(high - low, NO_EFFECT)
+    again = Batch(led[:, run].astype(np.int32), batch.first[:, run], batch.end[:, run])
+    found.put(run, _run(campaign, scenario, again))
+    return Judged(*(array[source] for array in found.arrays))
+
+
+def _sources(campaign: Campaign, scenario: int, low: int, high: int, led: Positions, columns: Positions) -> Positions:
+    """For columns of a range, and what is run for them, the column of the range that comes out the same."""
     import numpy as np
 
     space = campaign.space
-    batch = space.batch(low, high)
-    if not campaign.collapsing or campaign.collapse(scenario).nothing:
-        return _run(campaign, scenario, batch)
-    leaders = campaign.collapse(scenario).leaders
-    members = batch.atoms.astype(np.int64)
-    led = leaders[members]
-    other, shown = (led != members).any(axis=0), (led != NONE).any(axis=0)
-    follows = np.flatnonzero(other & (led != NONE).all(axis=0) & (np.diff(led, axis=0) > 0).all(axis=0))
-    positions = space.positions(low, high)[follows]
-    times = positions % space.in_a_scenario % space.times
-    theirs = scenario * space.in_a_scenario + space.combinations.position(led[:, follows]) * space.times + times
-    numbers = space.number(theirs)
-    inside = (low <= numbers) & (numbers < high)
-    follows, numbers = follows[inside], numbers[inside] - low
-    run = shown.copy()
-    run[follows] = False
-    found = Judged.alike(high - low, NO_EFFECT)
-    chosen = np.flatnonzero(run)
-    atoms = led[:, chosen].astype(np.int32)
-    found.put(chosen, _run(campaign, scenario, Batch(atoms, batch.first[:, chosen], batch.end[:, chosen])))
-    found.put(follows, Judged(*(array[numbers] for array in found.arrays)))
-    return found
+    times = space.positions(low, high)[columns] % space.in_a_scenario % space.times
+    keys = times
+    for row in led:
+        keys = keys * (len(space.singles) + 1) + row + 1
+    _, first, like = np.unique(keys, return_index=True, return_inverse=True)
+    found = columns[first][like]  # the first that is alike
+    whole = np.flatnonzero((led != NONE).all(axis=0) & (np.diff(led, axis=0) > 0).all(axis=0))
+    there = scenario * space.in_a_scenario + space.combinations.position(led[:, whole]) * space.times + times[whole]
+    numbers = space.number(there) - low
+    inside = (numbers >= 0) & (numbers < high - low)
+    found[whole[inside]] = numbers[inside]  # or the one that is run for itself
+    return np.asarray(found)
 
 
 def _compare(campaign: Campaign, low: int, collapsed: Judged, plain: Judged) -> None:

@@ -11,11 +11,12 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-from safety.faults import schedule, where
+from safety.faults import placed, schedule, where
 from safety.inject.engine import NEVER, NONE, Batch, Outcome, Task
 from safety.inject.kernel import BROKEN, Kernel, build_kernel
 from safety.inject.masks import KEEP, TURN, Mask, masks
 from safety.inject.space import CampaignError
+from safety.kinds import POINT
 from safety.terms.table import is_object
 from safety.terms.texts import lane_type
 from safety.trace import initial_state
@@ -91,6 +92,11 @@ class LaneEngine:
         """The points or registers of each atom."""
         return [frozenset(where(self.task.system, atom)) for atom in self.task.atoms]
 
+    @cached_property
+    def _wide(self) -> list[bool]:
+        """Which atoms join points or act on parts: those of different runs may contradict, or multiply, each other."""
+        return [any(p.kind.place != POINT for p in placed(self.task.system, atom)) for atom in self.task.atoms]
+
     def _built_in(self, batch: Batch) -> Lanes:
         """Which faults of each run no mask can carry: those without one, and what shares their points.
 
@@ -126,7 +132,9 @@ class LaneEngine:
         slots: set[Slot] = set()
         for column in columns.tolist():
             more = {(row, int(batch.atoms[row, column])) for row in np.flatnonzero(built[:, column]).tolist()}
-            if chosen and (len(slots | more) > MOST_BUILT_IN or len(chosen) >= self.most_lanes):
+            wide, there = ({slot for slot in some if self._wide[slot[1]]} for some in (more, slots))
+            apart = bool(wide and there and wide != there)
+            if chosen and (apart or len(slots | more) > MOST_BUILT_IN or len(chosen) >= self.most_lanes):
                 yield np.array(chosen), tuple(sorted(slots))
                 chosen, slots = [], set()
             chosen.append(column)

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
-from safety.inject.classes import CELLS, Tally
+from safety.inject.classes import CELLS, NO_EFFECT, Tally
 from safety.inject.engine import NEVER, NONE, Batch
 from safety.inject.judging import judge, onset_frames
 from safety.inject.patterns import by_pattern
@@ -63,35 +63,39 @@ def mission(
 
     `chances`: probability of a fault in each group of the campaign (16 groups at most) during the mission, which is the
     whole run of the campaign; faults last `length` steps, as those of the campaign, or stay.  Raises `CampaignError`
-    for a group that is missing or unknown, a chance that is none, drawn scenarios, and runs for no stratum.
+    for a group that is missing or unknown, a chance that is none, drawn scenarios, a fault-free run that is judged
+    faulty, and runs for no stratum or an unknown one.
     """
     import numpy as np
 
     groups = [group.name for group in campaign.space.groups]
-    for name in chances.keys() ^ set(groups):
+    for name in sorted(chances.keys() ^ set(groups)):
         raise CampaignError(f"{campaign.id}: the chances differ from the groups in {name!r}; {nearest(name, groups)}")
     if campaign.vary:
         raise CampaignError(f"{campaign.id}: vary draws scenarios; a mission has one stimulus, leave it out")
+    golden = campaign.engine_of().golden
+    if judge(campaign, golden, golden, NEVER).cells[0] != NO_EFFECT:
+        raise CampaignError(f"{campaign.id}: the fault-free run is judged faulty; correct the judges or the stimulus")
     patterns: dict[Hashable, list[tuple[Faulty, Fraction]]] = {}
     for faulty, weight in by_pattern(chances).items():
         if weight:
             patterns.setdefault(stratum(faulty), []).append((faulty, weight))
+    for key in () if isinstance(runs, int) else runs.keys() - patterns.keys():
+        raise CampaignError(f"{campaign.id}: runs name no stratum {key!r}; they are {', '.join(map(str, patterns))}")
     rng = np.random.default_rng(seed)
     strata, tallies, left_out = {}, {}, Fraction(0)
     for key, members in patterns.items():
         weight = sum((w for _, w in members), Fraction(0))
         number = runs if isinstance(runs, int) else runs.get(key, 0)
         if [faulty for faulty, _ in members] == [frozenset()]:
-            strata[key] = Trials(
-                str(key), weight, 0, 1, exhaustive=True
-            )  # the fault-free run, which is never dangerous
+            strata[key] = Trials(str(key), weight, 0, 1, exhaustive=True)  # the fault-free run
         elif number < 1:
             strata[key], left_out = Trials(str(key), weight, 1, 1, exhaustive=True), left_out + weight
         else:
             tallies[key] = _tried(campaign, members, weight, number, rng)
             strata[key] = Trials(str(key), weight, tallies[key].dangerous_undetected, number)
     if not tallies:
-        raise CampaignError(f"{campaign.id}: runs={runs!r} tries no stratum; they are {', '.join(map(str, patterns))}")
+        raise CampaignError(f"{campaign.id}: runs={runs!r} tries no stratum that has a fault; give at least 1")
     return Mission(total(list(strata.values()), campaign.confidence), strata, tallies, left_out)
 
 
@@ -113,7 +117,7 @@ def _tried(
 
 
 def _batch(campaign: Campaign, missions: list[Faulty], rng: np.random.Generator) -> Batch:
-    """For each mission one fault of each faulty group, at a frame of its own; a row for each group."""
+    """For each mission one fault of each faulty group, at a frame of its own; the rows in the order of the groups."""
     import numpy as np
 
     space, timing = campaign.space, campaign.timing
@@ -126,4 +130,5 @@ def _batch(campaign: Campaign, missions: list[Faulty], rng: np.random.Generator)
         atoms[row, there] = own[rng.integers(len(own), size=int(there.sum()))]
         first[row] = np.where(there, rng.integers(timing.frames, size=len(missions)) * timing.steps, 0)
         end[row] = np.where(there, NEVER if campaign.length is None else first[row] + campaign.length, 0)
-    return Batch(atoms, first, end)
+    order = np.argsort(atoms == NONE, axis=0, kind="stable")[: max(1, *map(len, missions))]
+    return Batch(*(np.take_along_axis(array, order, axis=0) for array in (atoms, first, end)))

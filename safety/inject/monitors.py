@@ -18,14 +18,17 @@ def observed(name: str) -> str:
 
 
 class Wires:
-    """The signals of a system by full name, to observe something made of several of them, or of their past."""
+    """The signals of a system by full name, to observe something made of several of them, or of their past.
+
+    `registers`: what is remembered for that, by what it stands for; `steps`: model steps of a frame.
+    """
 
     def __init__(self, system: System, steps: int = 1) -> None:
-        self._system, self._steps = system, steps
-        self._registers: dict[tuple[str, int, int], State] = {}
+        self.system, self.steps = system, steps
+        self.registers: dict[Any, State] = {}
 
     def __getitem__(self, path: str) -> Any:
-        return self._system.lookup(path)
+        return self.system.lookup(path)
 
     def lasting(self, wire: Bit, frames: int) -> Bit:
         """Whether the wire has been true for so many frames in a row, at each of their steps, up to and with this one.
@@ -35,7 +38,7 @@ class Wires:
         """
         if type(frames) is not int or frames < 1:
             raise CampaignError(f"lasting(..., {frames!r}): a number of frames is a whole number from 1 up")
-        before = frames * self._steps - 1
+        before = frames * self.steps - 1
         if not before:
             return wire
         width = before.bit_length()
@@ -53,16 +56,16 @@ class Wires:
         return cast(Bit, past) | wire
 
     def _register(self, key: tuple[str, int, int], sort: Any, start: Any, follow: Callable[[Term], Term]) -> Term:
-        if key not in self._registers:
-            var = variable(f"monitor {len(self._registers)} {key[0]}", sort)
-            self._registers[key] = State(var, follow(var), start)
-        return self._registers[key].var
+        if key not in self.registers:
+            var = variable(f"monitor {len(self.registers)} {key[0]}", sort)
+            self.registers[key] = State(var, follow(var), start)
+        return self.registers[key].var
 
     def observing(self, seen: Mapping[str, Term]) -> System:
         """The system with these terms among its signals, and what the monitors remember among its registers."""
-        states = (*self._system.states, *self._registers.values())
+        states = (*self.system.states, *self.registers.values())
         signals = {observed(name): wire for name, wire in seen.items()}
-        return replace(self._system, states=states, signals={**self._system.signals, **signals})
+        return replace(self.system, states=states, signals={**self.system.signals, **signals})
 
 
 Watched = str | Callable[[Wires], Bit]  # a wire by its name, or a function of all wires

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 from itertools import combinations
 
 ALL = 8  # up to so many faults, every part of them is tried
-WIDE = 1024  # candidates side by side
+WIDE = 256  # candidates side by side
 
 
 @dataclass(frozen=True)

@@ -124,7 +124,7 @@ def variant(campaign: Campaign, number: int) -> Variant:
             known = (*system.inputs, *settings, *(s.path for s in system.states if s.power_up is ANY))
             raise CampaignError(f"{campaign.id}: vary names {name!r}; {nearest(name, known)}")
     try:
-        whole = observing(_folded(system, constant), campaign.looked_at, campaign.steps_per_frame)
+        whole = _folded(observing(system, campaign.looked_at, campaign.steps_per_frame), constant)
     except CampaignError as wrong:
         raise CampaignError(f"{campaign.id}: {wrong}") from None
     return Variant(campaign, whole, campaign.stimulus, following, {**campaign.start, **start}, values)

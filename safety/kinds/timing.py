@@ -83,7 +83,7 @@ def intermittent(kind: Kind, acts: int, of: int) -> Kind:
         raise ModelError(f"intermittent(..., {acts}, {of!r}): it acts in {acts} of more than {acts} steps")
 
     def gate(seat: Seat) -> Bit:
-        turn = cast(UInt, seat.register("turn", uint((of - 1).bit_length()), 0))
+        turn = cast(UInt, seat.register(f"duty{of}", uint((of - 1).bit_length()), 0))
         seat.then(turn, select(seat.active, select(turn == of - 1, 0, (turn + 1).low(turn.width)), 0))
         return turn < acts
 

@@ -15,11 +15,11 @@ from importlib import metadata
 from pathlib import Path
 from typing import Any
 
-from safety.canonical import PACKAGE, digest, files, text_of
+from safety.canonical import PACKAGE, READINGS, digest, files, text_of
 
 LARGEST = 64 << 20  # bytes in all
 ENGINES = ("z3-solver", "cvc5")  # distributions that verdicts rest on
-PROVER = ("*.py", "terms/**/*.py", "prove/**/*.py")  # what a verdict is made by, below the package
+PROVER = (*READINGS, "prove/**/*.py")  # what a verdict is made by, below the package
 
 Warn = Callable[[str], None]
 

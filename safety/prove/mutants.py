@@ -152,14 +152,14 @@ class _Examination:
         return single(case.stated, self.subject.mutants[number])
 
     def _drive(self, doubtful: bool) -> None:
-        """Mutants on many long runs, all claims that assume the same at once; longer where a claim is `doubtful`."""
+        """Mutants on many long runs, all claims that assume the same at once; longer ones where in doubt."""
         for panel in self.subject.panels:
             numbers = self.left & set().union(*(case.sees for case in panel.cases))
             if doubtful:
                 doubts = {n: self.lost.get(n, {}).keys() | self.open.get(n, {}).keys() for n in numbers}
                 numbers = {n for n in numbers if any(case in doubts[n] for case in panel.cases)}
             mutants = [self.subject.mutants[n] for n in sorted(numbers)]
-            seconds, patience = (DRIVEN[1] * self.timeout, 3) if doubtful else (DRIVEN[0] * self.timeout, 1)
+            seconds, patience = (DRIVEN[1] * self.timeout, 3) if doubtful else (DRIVEN[0] * self.timeout, 0)
             for number, course, step in panel.drive.broken(mutants, seconds, patience):
                 case = panel.broken_by(self.subject.mutants[number], course, step)
                 self.settle(number, COUNTEREXAMPLE, case.claim.id, f"after {step + 1} steps")

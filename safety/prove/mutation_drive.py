@@ -80,7 +80,7 @@ class Drive:
             return
         until, left, fruitless = time.process_time() + seconds, list(mutants), 0
         horizons = [*SHORT, *SHORT]
-        while left and fruitless < patience and time.process_time() < until:
+        while left and (horizons or fruitless < patience) and time.process_time() < until:
             steps = horizons.pop() if horizons else self.depth
             found = self._round(left, min(steps, self.depth), until)
             fruitless = 0 if found else fruitless + (not horizons)

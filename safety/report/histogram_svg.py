@@ -13,6 +13,7 @@ from safety.report.svg import element, text
 WIDTH, HIGH = 420, 64  # px: of the bars
 TOP, BELOW, SIDE = 16, 20, 12  # px around them: counts above, the axis below, half a label at the sides
 LABEL = 46  # px: from one label below the axis to the next
+WIDEST = 60  # px: of one bar
 LEAST = 2  # px: a bin with one in a million is still seen
 
 
@@ -44,7 +45,8 @@ def histogram_svg(found: Sequence[Bin], unit: str, what: str) -> str:
     if not found:
         return ""
     most = max(one.values for one in found)
-    wide = WIDTH / len(found)
+    wide = min(WIDTH / len(found), WIDEST)
+    drawn = wide * len(found)
     parts = []
     for n, one in enumerate(found):
         tall = max(LEAST, HIGH * one.values / most) if one.values else 0.0
@@ -54,11 +56,11 @@ def histogram_svg(found: Sequence[Bin], unit: str, what: str) -> str:
             "rect", x=SIDE + n * wide + 0.5, y=TOP + HIGH - tall, width=wide - 1, height=tall, class_="column"
         )
         parts.append(element("g", hint, whole, bar))
-    parts.append(element("path", class_="rule", d=f"M{SIDE} {TOP + HIGH}h{WIDTH}"))
+    parts.append(element("path", class_="rule", d=f"M{SIDE} {TOP + HIGH}h{round(drawn, 1)}"))
     for n in range(0, len(found), math.ceil(LABEL / wide)):
         parts.append(text(number(found[n].high), SIDE + (n + 0.5) * wide, TOP + HIGH + 14, text_anchor="middle"))
     peak = max(range(len(found)), key=lambda n: found[n].values)
-    at = min(max(SIDE + (peak + 0.5) * wide, SIDE + 14), SIDE + WIDTH - 14)
+    at = min(max(SIDE + (peak + 0.5) * wide, SIDE + 14), SIDE + drawn - 14)
     parts.append(text(number(most), at, TOP - 4, text_anchor="middle", class_="dim"))
     said = f"{what}: " + ", ".join(f"{_ends(one)} {unit}: {one.values}" for one in found if one.values)
     return element(
@@ -66,8 +68,8 @@ def histogram_svg(found: Sequence[Bin], unit: str, what: str) -> str:
         *parts,
         class_="histogram",
         xmlns="http://www.w3.org/2000/svg",
-        viewBox=f"0 0 {WIDTH + 2 * SIDE} {TOP + HIGH + BELOW}",
-        width=WIDTH + 2 * SIDE,
+        viewBox=f"0 0 {round(drawn + 2 * SIDE)} {TOP + HIGH + BELOW}",
+        width=round(drawn + 2 * SIDE),
         height=TOP + HIGH + BELOW,
         role="img",
         aria_label=said,

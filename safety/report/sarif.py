@@ -83,7 +83,7 @@ def _findings(entry: Entry) -> Iterator[Finding]:
     for injection, now in baseline.get("lost", {}).items():
         text = f"{injection} was detected, and is {now.replace('_', ' ')} now."
         yield Finding("lost-detection", injection, text, f"{entry['id']}::{injection}", "new")
-    for injection, what in baseline.get("unclear", {}).items():
+    for what, injection in baseline.get("unclear", {}).items():
         yield Finding("changed-set", what.partition(": ")[0], f"{what}.", f"{entry['id']}::{injection}", "new")
     target = entry.get("target_coverage") or {}
     if target.get("met") is False:

@@ -199,7 +199,7 @@ class Compared(TypedDict, total=False):
     file: Required[str]
     new: Required[dict[str, str]]  # dangerous undetected, and what each was
     lost: Required[dict[str, str]]  # no longer detected, and what each is
-    unclear: Required[dict[str, str]]  # one injection of a fault for which something changed, and what
+    unclear: Required[dict[str, str]]  # what changed of a fault, and one of its injections
     told: Required[list[str]]
     better: Required[list[str]]
 

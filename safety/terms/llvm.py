@@ -6,17 +6,18 @@ when it does not fit; a folder that cannot be written costs the time to compile,
 
 from __future__ import annotations
 
+import contextlib
 import ctypes
 import functools
 import hashlib
 import os
 import stat
-import tempfile
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 DIGEST = 32  # bytes of a SHA-256
+MOST_KEPT = 256  # entries
 
 
 @dataclass(frozen=True)
@@ -100,8 +101,10 @@ def _object(machine: Any, text: str) -> bytes:
     module.verify()
     builder = llvm.create_pass_builder(machine, llvm.create_pipeline_tuning_options(speed_level=2))
     passes = llvm.create_new_function_pass_manager()
+    passes.add_sroa_pass()
     passes.add_instruction_combine_pass()
     passes.add_new_gvn_pass()
+    passes.add_simplify_cfg_pass()
     for function in module.functions:
         if not function.is_declaration:
             passes.run(function, builder)
@@ -138,13 +141,16 @@ def recalled(key: str) -> bytes | None:
 
 
 def remember(key: str, code: bytes) -> None:
-    """Keep what was compiled; a folder that cannot be written keeps nothing."""
+    """Keep what was compiled, and the newest `MOST_KEPT` before; a folder that cannot be written keeps nothing."""
     place = folder()
     if place is None:
         return
+    new = place / f"{key}.{os.getpid()}.new"
     try:
-        with tempfile.NamedTemporaryFile(dir=place, delete=False) as file:
-            file.write(hashlib.sha256(code).digest() + code)
-        os.replace(file.name, place / key)
+        new.write_bytes(hashlib.sha256(code).digest() + code)
+        os.replace(new, place / key)
+        for old in sorted(place.iterdir(), key=lambda file: -file.stat().st_mtime)[MOST_KEPT:]:
+            old.unlink()
     except OSError:
-        return
+        with contextlib.suppress(OSError):
+            new.unlink()

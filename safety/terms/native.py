@@ -49,16 +49,18 @@ class Writer:
         Raises `TermError` for a real, a number beyond 64 bits, or a variable that is not bound.
         """
         for term in postorder(roots, self.names):
-            if term.op == "var":
-                raise TermError(
-                    f"{describe(term)} is read but not bound: it belongs to another model or was created outside `step`"
-                )
             lane_vector(self, term)
-            self.names[term.uid] = self.term(term)
+            if term.op == "var":
+                self.names[term.uid] = self.variable(term)
+            else:
+                arguments = (self.names[a.uid] for a in term.args)
+                self.names[term.uid] = OPERATIONS[term.op].native(self, term, *arguments)
 
-    def term(self, term: Term) -> str:
-        """Write one term, its arguments being there."""
-        return OPERATIONS[term.op].native(self, term, *(self.names[a.uid] for a in term.args))
+    def variable(self, term: Term) -> str:
+        """Write what binds a variable, at its first use; here only those that have a name already are bound."""
+        raise TermError(
+            f"{describe(term)} is read but not bound: it belongs to another model or was created outside `step`"
+        )
 
 
 ATTRIBUTES = 'nounwind "prefer-vector-width"="512" "min-legal-vector-width"="512"'

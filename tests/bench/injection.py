@@ -93,7 +93,7 @@ def part(batch: Batch, runs: int, seed: int = 2) -> Batch:
 
 
 def agree(runs: int = 1000) -> int:
-    """`same`: random faults, up to three at once, for the whole second, on every engine: how many differ from Python."""
+    """`same`: random faults, up to three at once, for the whole second: how many engines differ from Python."""
     task = one_second()
     batch = at_random(task, runs, seed=1, most=3)
     began = time.perf_counter()
@@ -166,7 +166,7 @@ def limit(native: Contestant) -> None:
     if not (shutil.which("objdump") and isinstance(native.engine, NativeEngine)):
         return
     target, text = native.engine.target, source(native.engine._masked.kernel)
-    computing, moving = vector_instructions(_object(_machine(target), text), "tapped")
+    computing, moving = vector_instructions(_object(_machine(target), text), "faulty")
     most = most_adds("clang++" if shutil.which("clang++") else "g++", target.lanes)
     steps = -(-native.batch.runs // target.lanes) * FRAMES / statistics.median(native.seconds)
     print(
@@ -178,7 +178,7 @@ def limit(native: Contestant) -> None:
 
 def cold() -> int:
     """`cold`: from the start of Python to the result of 1000 upsets, the compiled code kept from before or not."""
-    code = "from tests.bench.injection_campaigns import campaign; print(campaign('a thousand upsets, drawn').inject().tally.classes)"
+    code = "from tests.bench.injection_campaigns import campaign; campaign('a thousand upsets, drawn').inject().tally"
     for kept in (False, True):
         cpu, wall = [], []
         with tempfile.TemporaryDirectory() as folder:
@@ -211,9 +211,8 @@ def exhaustive() -> int:
             classes, runs = result.tally.classes, len(declared.space)
             cpu, wall = processor() - before, time.perf_counter() - began
             if again:
-                print(
-                    f"{name}: {runs} injections, processor {cpu:.2f} s, wall {wall:.2f} s, {runs / cpu:,.0f}/s, {classes}"
-                )
+                figures = f"processor {cpu:.2f} s, wall {wall:.2f} s, {runs / cpu:,.0f}/s"
+                print(f"{name}: {runs} injections, {figures}, {classes}")
     return 0
 
 
@@ -232,8 +231,8 @@ def stored(name: str, cap: float) -> int:
         wall = time.perf_counter() - began
         size = sum(file.stat().st_size for file in Path(folder).rglob("*") if file.is_file())
         print(
-            f"{name}: {kept.made} of {kept.total} injections, wall {wall:.1f} s, processor {processor() - before:.1f} s, "
-            f"{kept.made / wall:,.0f}/s, {size / 1e6:.1f} MB"
+            f"{name}: {kept.made} of {kept.total} injections, wall {wall:.1f} s, "
+            f"processor {processor() - before:.1f} s, {kept.made / wall:,.0f}/s, {size / 1e6:.1f} MB"
         )
     return 0 if kept.made == kept.total else 1
 

@@ -117,14 +117,11 @@ class Slices(Writer):
     def tapped(self, t: Term, healthy: list[str]) -> list[str]:
         """The bits of a point, where a fault may act."""
         names = [self._named("wire", x) for x in healthy]
-        self.lines.append(
-            self.at(
-                t,
-                lambda r: " ".join(
-                    f"{x} = ({x} & held[{r}].keep[{k}]) ^ held[{r}].turn[{k}];" for k, x in enumerate(names)
-                ),
-            )
-        )
+
+        def masked(r: str) -> str:
+            return " ".join(f"{x} = ({x} & held[{r}].keep[{k}]) ^ held[{r}].turn[{k}];" for k, x in enumerate(names))
+
+        self.lines.append(self.at(t, masked))
         return names
 
     def sum(self, x: list[str], y: list[str], carry: str) -> list[str]:

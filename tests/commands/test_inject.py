@@ -114,9 +114,11 @@ def test_a_campaign_that_is_gone_is_missed(run: Run, baseline: Path) -> None:
 @pytest.mark.parametrize(("text", "said"), [('{\n "schema": 1,\n}', "b.json:3: no JSON"), ("\xff", "no JSON")])
 def test_a_garbled_baseline_is_refused_and_not_written_over(run: Run, baseline: Path, text: str, said: str) -> None:
     baseline.write_text(text)
-    for words in (["--baseline", "b.json"], ["--write-baseline", "b.json"]):
-        called = run("inject", *words)
-        assert called.code == 2 and said in called.err
+    called = run("inject", "--baseline", "b.json")
+    assert called.code == 2 and said in called.err
+    called = run("inject", "--write-baseline", "b.json")
+    assert called.code == 2 and "b.json is there and is no baseline; it is not written over" in called.err
+    assert run("inject", "-k", "counter", "--write-baseline", "b.json").code == 2
     assert baseline.read_text() == text
 
 
@@ -142,7 +144,11 @@ def test_a_target_of_the_declaration_counts_unless_another_is_given(run: Run, wh
     campaign(whole, "> seen.healthy", "!= seen.healthy")
     assert run("inject", "--json", "out.json", *HERE).code == 0
     (entry,) = document(whole / "out.json")["campaigns"]
-    assert entry["target_coverage"] == {"target": "1/3", "met": True, "told": "diagnostic coverage 1, target 0.3333 met"}
+    assert entry["target_coverage"] == {
+        "target": "1/3",
+        "met": True,
+        "told": "diagnostic coverage 1, target 0.3333 met",
+    }
     campaign(whole, "'1/3'", "'4/3'")
     called = run("inject", *HERE)
     assert called.code == 2
@@ -270,5 +276,3 @@ def called_examples(run: Run, whole: Path) -> list[Called]:
 
     words = [shlex.split(line.partition("  ")[0])[1:] for line in EXAMPLES.strip().splitlines()]
     return [run(*each, "--project", "elsewhere") for each in words]
-
-

@@ -98,7 +98,10 @@ def test_an_injection_may_have_any_schedule(run: Run, whole: Path) -> None:
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (["counter_stuck::alarm.out stuck-at-1", "--shrink"], "not dangerous and undetected: there is nothing to shrink"),
+        (
+            ["counter_stuck::alarm.out stuck-at-1", "--shrink"],
+            "not dangerous and undetected: there is nothing to shrink",
+        ),
         (["counter_hazard.no_alarm#0", "--shrink"], "--shrink is for an injection of a campaign"),
         (["counter_stuck::alarm.out stuck-at-0 from step 20"], "begins at step 20, outside the run (0 to 19)"),
         (["counter_stuck::alarm.out stuck-at-0, transient at 2 for 0"], "transient fault needs its greatest length"),

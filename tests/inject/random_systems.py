@@ -19,10 +19,10 @@ LOOKS = ("look 0", "look 1")
 
 
 def random_system(pick: random.Random) -> System:
-    """Three registers, two inputs, two signals, and some thirty terms of which half are points."""
-    wires: list[Term] = [variable(name, BIT) for name in ("p", "q", "x")] + [bit(True)]
-    words: list[Term] = [variable(name, uint(WIDTH)) for name in ("w", "y")] + [word(5, WIDTH)]
-    points: dict[str, Term] = {}
+    """Three registers, two inputs, two signals, and some thirty terms, most of them points; two points on constants."""
+    points = {name: node("point", (c,), name, c.sort) for name, c in (("one", bit(True)), ("five", word(5, WIDTH)))}
+    wires: list[Term] = [*(variable(name, BIT) for name in ("p", "q", "x")), points["one"]]
+    words: list[Term] = [*(variable(name, uint(WIDTH)) for name in ("w", "y")), points["five"]]
 
     def wire() -> Bit:
         return cast(Bit, pick.choice(wires[-8:] if pick.random() < 0.7 else wires))
@@ -45,7 +45,7 @@ def random_system(pick: random.Random) -> System:
     ]  # fmt: skip
     for k in range(30):
         made: Term = pick.choice(new_wires)() if k % 2 else pick.choice(new_words)()
-        if pick.random() < 0.6 and not made.is_const:
+        if pick.random() < 0.7 and not made.is_const:
             made = points[f"t{k}"] = node("point", (made,), f"t{k}", made.sort)
         (wires if made.sort == BIT else words).append(made)
     registers = [(wires[0], False), (wires[1], True), (words[0], 2)]

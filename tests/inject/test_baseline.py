@@ -10,19 +10,11 @@ import numpy as np
 import pytest
 
 from safety.faults import Fault, flip
-from safety.inject import Campaign, CampaignError, Judged, Result, baseline, stuck_bits
-from safety.inject.baseline import (
-    SCHEMA,
-    Comparison,
-    Findings,
-    compare,
-    dumps,
-    from_ranges,
-    loads,
-    same_campaign,
-    to_ranges,
-)
+from safety.inject import Campaign, CampaignError, Judged, Result, baseline, number_sets, stuck_bits
+from safety.inject.baseline import Comparison, Findings, compare
+from safety.inject.baseline_file import SCHEMA, dumps, loads, same_campaign
 from safety.inject.classes import CELLS
+from safety.inject.number_sets import BITS, from_text, to_text
 
 Make = Callable[..., Findings]
 
@@ -61,16 +53,22 @@ def kept(found: Findings) -> Any:
     return loads(dumps({"c": found.record()}), "b.json")["c"]
 
 
-@pytest.fixture(params=["listed", "by fault"])
-def short(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> bool:
-    if request.param == "by fault":
-        monkeypatch.setattr(baseline, "LONGEST", 3)
-    return request.param == "by fault"
+HOW = {"listed": (4000, 100_000), "by fault": (0, 3)}
 
 
-def test_the_same_run_differs_in_nothing(findings: Make, short: bool) -> None:
+@pytest.fixture(params=list(HOW))
+def how(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> str:
+    """How a record keeps its sets."""
+    for name, length in zip(("RANGES", "LONGEST"), HOW[request.param], strict=True):
+        monkeypatch.setattr(number_sets, name, length)
+    return str(request.param)
+
+
+def test_the_same_run_differs_in_nothing(findings: Make, how: str) -> None:
     before = kept(findings())
-    assert ("by_fault" in before) == short
+    told = before["dangerous_undetected"]
+    assert ("by fault" if told is None else "listed") == how
+    assert list(before["by_fault"]) == (["dangerous_undetected", "detected"] if how == "by fault" else [])
     assert compare(before, findings()) == Comparison()
 
 
@@ -106,18 +104,19 @@ def test_what_became_better_is_told(findings: Make) -> None:
         {"window": (0, 20, 22), "relay": (30,)},
     ],
 )
-def test_nothing_worse_goes_unseen(findings: Make, short: bool, worse: Any) -> None:
+def test_nothing_worse_goes_unseen(findings: Make, how: str, worse: Any) -> None:
     found = compare(kept(findings()), findings(**worse))
     assert found.worse
-    if short:
-        (said,) = found.unclear.values()
-        assert said.startswith(("fault 1: ", "fault 2: "))
+    if how == "by fault":
+        assert all(said.startswith(("fault 1: ", "fault 2: ", "fault 0: ")) for said in found.unclear)
+        assert all(one.startswith(said.partition(":")[0]) for said, one in found.unclear.items())
 
 
 def test_without_ranges_a_fault_that_is_clean_now_is_an_improvement(
     findings: Make, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(baseline, "LONGEST", 3)
+    for name in ("RANGES", "LONGEST"):
+        monkeypatch.setattr(number_sets, name, 3)
     found = compare(kept(findings()), findings((1, 2)))
     assert (found.gone, found.worse) == (["fault 1"], False)
 
@@ -128,15 +127,19 @@ def test_more_than_can_be_named_is_counted(findings: Make, monkeypatch: pytest.M
     assert (len(found.new), found.left_out) == (2, 1)
 
 
-@pytest.mark.parametrize("numbers", [(), (5,), (0, 1, 2), (0, 2, 3, 9), (7, 8)])
-def test_ranges_read_back(numbers: tuple[int, ...]) -> None:
-    text = to_ranges(np.array(numbers, dtype=np.int64))
-    assert text is not None and from_ranges(text).tolist() == list(numbers)
+@pytest.mark.parametrize("numbers", [(), (5,), (0, 1, 2), (0, 2, 3, 9), (7, 8), tuple(range(0, 9000, 2))])
+def test_numbers_read_back(numbers: tuple[int, ...]) -> None:
+    text = to_text(np.array(numbers, dtype=np.int64))
+    assert text is not None and from_text(text, 9000).tolist() == list(numbers)
+    assert text.startswith(BITS) == (len(numbers) > 1000)
 
 
-def test_long_lists_are_left_out() -> None:
-    assert to_ranges(np.arange(0, 2_000_000, 2)) is None
-    assert to_ranges(np.arange(2_000_000)) == "0-1999999"
+def test_the_shorter_text_is_taken_and_a_long_one_left_out() -> None:
+    assert to_text(np.arange(2_000_000)) == "0-1999999"
+    scattered = to_text(np.arange(0, 200_000, 2))
+    assert scattered is not None and scattered.startswith(BITS) and len(scattered) < 40_000
+    assert (to_text(np.arange(0, 200_000_000, 20_000)) or BITS).startswith("0 20000 ")
+    assert to_text(np.arange(0, 2_000_000, 2)) is None
 
 
 def test_equal_runs_give_equal_files(findings: Make) -> None:
@@ -164,12 +167,18 @@ def test_a_file_that_is_no_baseline_is_refused_with_its_place(text: str, said: s
     ("changes", "said"),
     [
         ({"model": 3}, r"b\.json:3: campaign 'c': 'model' is 3, expected a text"),
-        ({"detected": "0-"}, "'detected' is '0-', expected ranges such as"),
-        ({"detected": "5-2"}, "expected ranges"),
-        ({"detected": "5 5"}, "expected ranges"),
-        ({"detected": "0-40"}, "'detected' goes to 40, but there are 40 injections"),
-        ({"detected_by": {"x": 7}}, "'x' is 7, expected ranges"),
-        ({"dangerous_undetected": None}, "'by_fault' is not there"),
+        ({"dangerous_undetected": "0-"}, "'dangerous_undetected' is no set of injections: '0-' is no range"),
+        ({"dangerous_undetected": "5-2"}, "'5-2' stands out of order"),
+        ({"dangerous_undetected": "5 5"}, "'5' stands out of order"),
+        ({"dangerous_undetected": "0-40"}, "it goes to 40, but they are numbered 0 to 39"),
+        ({"dangerous_undetected": "0-99999999999999"}, "numbered 0 to 39"),
+        ({"dangerous_undetected": "bits:?"}, "no base64"),
+        ({"dangerous_undetected": "bits:////////"}, "it goes to 47"),
+        ({"dangerous_undetected": 3}, "'dangerous_undetected' is no set"),
+        ({"detected_by": {"x": 7}}, "'x' is no set"),
+        ({"dangerous_undetected": None}, "'by_fault' lacks 'dangerous_undetected'"),
+        ({"detected_by": {"x": None}}, "'by_fault' lacks 'detected'"),
+        ({"by_fault": {"detected": {"a": 1}}}, "not a number and a digest"),
     ],
 )
 def test_a_record_that_is_none_is_refused_with_its_place(findings: Make, changes: Any, said: str) -> None:

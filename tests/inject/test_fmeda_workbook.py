@@ -35,6 +35,8 @@ def test_the_workbook_says_what_the_result_says(campaign: Make, tmp_path: Path) 
     write_xlsx(result, tmp_path / "table.xlsx")
     found = sheets(tmp_path / "table.xlsx")
     assert list(found) == ["FMEDA", "Totals", "Traceability", "Parameters"]
+    book = openpyxl.load_workbook(tmp_path / "table.xlsx")
+    assert "f" not in {cell.data_type for sheet in book for row in sheet for cell in row}  # no formula
     assert found["FMEDA"] == [COLUMNS, *(tuple(record.values()) for record in records(result.rows))]
     heading, *lines = found["Totals"]
     totals = {line[0]: dict(zip(heading, line, strict=True)) for line in lines}

@@ -8,10 +8,11 @@ from typing import Any
 
 import pytest
 
-from safety.inject import Campaign, CampaignError, Result
-from safety.inject import baseline as module
-from safety.inject.baseline import Findings, compare, dumps, loads
+from safety.inject import Campaign, CampaignError, Result, number_sets
+from safety.inject.baseline import Comparison, Findings, compare
+from safety.inject.baseline_file import dumps, loads, same_campaign
 from safety.inject.classes import class_of
+from safety.model import Model
 from safety.prove.mutation import SELECTOR, Mutants, mutants_of
 
 Make = Callable[..., Campaign]
@@ -22,21 +23,26 @@ def kept(result: Result) -> Any:
     return loads(dumps({"c": Findings.of(result).record()}), "b.json")["c"]
 
 
-@pytest.mark.parametrize("longest", [20_000, 3])
-def test_an_unchanged_model_never_alarms(campaign: Make, monkeypatch: pytest.MonkeyPatch, longest: int) -> None:
-    monkeypatch.setattr(module, "LONGEST", longest)
+@pytest.fixture(params=["listed", "by fault"])
+def listed(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> bool:
+    """Whether records list their injections."""
+    if request.param == "by fault":
+        monkeypatch.setattr(number_sets, "RANGES", 0)
+        monkeypatch.setattr(number_sets, "LONGEST", 3)
+    return request.param == "listed"
+
+
+def test_an_unchanged_model_never_alarms(campaign: Make, listed: bool) -> None:
     before = kept(campaign().inject())
     ways = itertools.cycle(itertools.product(["lanes", "auto"], [True, False]))
     for _, (engine, collapsing) in zip(range(100), ways, strict=False):
         found = compare(before, Findings.of(campaign(engine=engine, collapsing=collapsing).inject()))
-        assert found == module.Comparison()
+        assert found == Comparison()
 
 
-@pytest.fixture(scope="module")
-def mutants(request: pytest.FixtureRequest) -> Mutants:
-    from tests.inject.conftest import Timer
-
-    return mutants_of(Timer)
+@pytest.fixture
+def mutants(timer: type[Model]) -> Mutants:
+    return mutants_of(timer)
 
 
 def mutated(campaign: Make, mutants: Mutants, number: int) -> Campaign:
@@ -48,17 +54,13 @@ def classes(result: Result) -> dict[str, str]:
     return {injection.id: class_of(cell) for injection, cell in result.injections()}
 
 
-@pytest.mark.parametrize("longest", [20_000, 3])
-def test_every_planted_regression_alarms_and_nothing_else_does(
-    campaign: Make, mutants: Mutants, monkeypatch: pytest.MonkeyPatch, longest: int
-) -> None:
-    monkeypatch.setattr(module, "LONGEST", longest)
+def test_every_planted_regression_alarms_and_nothing_else_does(campaign: Make, mutants: Mutants, listed: bool) -> None:
     healthy = mutated(campaign, mutants, 0).inject()
     before, were = kept(healthy), classes(healthy)
     regressions = 0
     for mutant in mutants.mutants:
         declared = mutated(campaign, mutants, mutant.number)
-        module.same_campaign(before, declared, "b.json")
+        same_campaign(before, declared, "b.json")
         try:
             result = declared.inject()
         except CampaignError:  # the fault-free run is judged faulty: refused, which is no pass either
@@ -73,7 +75,7 @@ def test_every_planted_regression_alarms_and_nothing_else_does(
         }
         regressions += bool(worse)
         found = compare(before, Findings.of(result))
-        if longest > 3:
+        if listed:
             assert found.new.keys() | found.lost.keys() == worse, str(mutant)
             assert found.worse == bool(worse), str(mutant)
         else:  # by fault: a change of the set is an alarm, unless the fault is clean now

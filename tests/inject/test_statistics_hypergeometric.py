@@ -170,6 +170,10 @@ def test_a_share_of_a_known_population() -> None:
     assert wide is not None and wide.low < found.low and found.high < wide.high
 
 
+def test_a_population_beyond_all_measure_is_taken_as_endless() -> None:
+    assert share(1, 30, exhaustive=False, population=10**15) == share(1, 30, exhaustive=False)
+
+
 @pytest.mark.parametrize("arguments", [(3, 2, 9), (0, 0, 9), (1, 10, 9), (1, 10, 10**9 + 1)])
 def test_impossible_counts_are_refused(arguments: tuple[int, int, int]) -> None:
     with pytest.raises(ValueError, match=r"trials|population"):

@@ -144,6 +144,37 @@ def test_a_total_with_a_stratum_that_would_pass_unseen_fails(bad: Trials) -> Non
         total([Trials("a", Fraction(1), 0, 5), bad])
 
 
+def test_strata_that_are_nearly_all_tried_are_nearly_exact() -> None:
+    some, most = ([Trials(str(i), Fraction(1), 5 * i, 95, population=n) for i in range(4)] for n in (None, 100))
+    wide, narrow = total(some), total(most)
+    assert wide.low < narrow.low <= narrow.value <= narrow.high < wide.high
+    assert narrow.high - narrow.low < 0.3
+
+
+@pytest.mark.parametrize("population", [6, 12])
+def test_the_total_of_known_populations_is_held_as_often_as_stated(population: int) -> None:
+    """Two strata of so many cases each, four of them drawn: all numbers of hits, all samples."""
+    of, weights = 4, (Fraction(3), Fraction(1))
+    found = {
+        hits: total(
+            [
+                Trials(str(i), w, k, of, population=population)
+                for i, (w, k) in enumerate(zip(weights, hits, strict=True))
+            ],
+            0.8,
+        )
+        for hits in itertools.product(range(of + 1), repeat=2)
+    }
+    for marked in itertools.product(range(population + 1), repeat=2):
+        truth = sum(w * Fraction(m, population) for w, m in zip(weights, marked, strict=True))
+        held = Fraction(0)
+        for hits, share_found in found.items():
+            if share_found.low <= truth <= share_found.high:
+                ways = (math.comb(m, k) * math.comb(population - m, of - k) for m, k in zip(marked, hits, strict=True))
+                held += Fraction(math.prod(ways), math.comb(population, of) ** 2)
+        assert held >= Fraction(4, 5)
+
+
 def test_a_single_sampled_stratum_has_the_bounds_of_its_trials() -> None:
     found = total([Trials("a", Fraction(1), 3, 50)], 0.9)
     assert (found.low, found.high) == pytest.approx(any_population(3, 50, 0.9), rel=3e-8)

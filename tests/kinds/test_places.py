@@ -101,13 +101,13 @@ def built(*faults: Fault, model: type[Model] = Chain) -> Any:
 
 def test_a_part_is_the_registers_under_its_name() -> None:
     system = trace(Chain)
-    own = ["first.n", "first.kept"]
+    own = ("first.n", "first.kept")
     assert where(system, Fault(clock_stop(), ["first"])) == own
-    assert where(system, Fault(clock_stop(), ["first.n"])) == ["first.n"]
+    assert where(system, Fault(clock_stop(), ["first.n"])) == ("first.n",)
     assert where(system, Fault(clock_stop(), ["f*", "first"])) == own
-    assert where(system, Fault(clock_stop(), ["Chain"])) == ["before", *own, "second.n", "second.kept", "limited.n"]
+    assert where(system, Fault(clock_stop(), ["Chain"])) == ("before", *own, "second.n", "second.kept", "limited.n")
     cause = common_cause("x", {"first": clock_stop(), "a+d": wired_or(), "c": frozen()})
-    assert where(system, cause) == [*own, "a", "d", "c"]
+    assert where(system, cause) == (*own, "a", "d", "c")
     assert [(p.kind.name, p.names) for p in placed(system, cause)] == [
         ("clock stopped", ("first.n", "first.kept")), ("wired-or", ("a", "d")), ("frozen", ("c",)),
     ]  # fmt: skip
@@ -115,7 +115,7 @@ def test_a_part_is_the_registers_under_its_name() -> None:
 
 def test_parameters_and_registers_of_faults_are_no_part() -> None:
     system = trace(Chain, symbolic=["limit"])
-    assert where(system, Fault(power_dip(), ["limited"])) == ["limited.n"]
+    assert where(system, Fault(power_dip(), ["limited"])) == ("limited.n",)
     faulted = instrument(system, [Fault(clock_stop(), ["Chain"]), Fault(delayed(1), ["limited.n"])])
     (stage,) = (s for s in faulted.system.states if s.path == "fault1.limited.n.stage0")
     assert stage.next is not stage.var

@@ -11,7 +11,8 @@ from models.ts7.signals import Selection
 from models.ts7.voting import disagree
 from proofs import ts7_slack, ts7_slack_ring, ts7_thresholds, ts7_variants
 from safety.prove.claims import registered
-from safety.prove.mutants import EQUIVALENT, KILLED, SLACK, UNDECIDED, Subject
+from safety.prove.mutants import EQUIVALENT, KILLED, SLACK, UNDECIDED, examine
+from safety.prove.mutation_case import Subject
 from safety.prove.prove import prove
 from tests.proofs.verdicts import check, claims_of, without_twin
 
@@ -36,7 +37,7 @@ def kinds(names: list[str], line: int, least: int = 20) -> list[str]:
     subject = Subject([c for c in registered() if c.id in names])
     here = [m for m in subject.mutants.mutants if m.place and m.place.line == line]
     assert len(here) > least
-    return [fate.kind for fate in subject.examine([m.number for m in here])]
+    return [fate.kind for fate in examine(subject, [m.number for m in here])]
 
 
 DISAGREE = inspect.getsourcelines(disagree)[1] + 2

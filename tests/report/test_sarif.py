@@ -42,7 +42,7 @@ def results(*entries: Results) -> Any:
 
 COMPARED = {
     "file": "baseline.json", "new": {"a": "detected by window"}, "lost": {"d": "no_effect"}, "gone": ["x"],
-    "unclear": {"e at 3": "e: 3 detected before, 2 now"}, "gained": [], "moved": 0, "left_out": 0,
+    "unclear": {"e: 3 detected before, 2 now": "e at 3"}, "gained": [], "moved": 0, "left_out": 0,
     "told": ["1 new dangerous undetected"],
 }  # fmt: skip
 EVERYTHING = entry(

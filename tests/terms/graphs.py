@@ -241,6 +241,7 @@ EDGES: dict[str, list[Any]] = {
     ],
     "cast": [
         *(A8.widen(9), N4.widen(64), A64.widen(65), A63.widen(64), A8.int(), A64.int()),
+        select(P, K, H),
         A8.real(),
         H.real(),
         BIG.real(),
@@ -249,6 +250,8 @@ EDGES: dict[str, list[Any]] = {
         *(A8.sat(4), A64.sat(8), H.sat(4), H.sat(64), J.sat(8), BIG.sat(8), BIG.sat(64)),
         H.clip(-3, 9),
         J.clip(2, 5),
+        (A8 + B8).sat(8),
+        variable("near 0", integer(3, 200)).clip(-3, 150),  # type: ignore[attr-defined]
     ],
     "slice": [
         *(A8.low(7), A8.low(1), A8.slice(1, 3), A8.slice(3, 5), A64.slice(1, 62), A64.slice(32, 32), (A8 + B8).low(8)),

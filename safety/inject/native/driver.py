@@ -116,7 +116,7 @@ class Driver:
 
     def _kept(self, name: str) -> str:
         """Where the lanes of this group are kept, a record each."""
-        return self.k.at(self.given[name], self.k.op(f"mul i64 {self.base.value}, {self.kernel.kept.itemsize}"))
+        return self.k.at(self.given[name], self.k.op(f"mul i64 {self.base.value}, {self.kernel.kept.type.itemsize}"))
 
     def _leap(self) -> None:
         """To the next event or the end; what the fault-free run shows first in between, each lane shows."""

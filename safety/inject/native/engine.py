@@ -42,7 +42,7 @@ class NativeEngine:
         self._points = tuple(dict.fromkeys(point for found in self._masks for point in found or ()))
         self._programs: dict[tuple[tuple[Slot, ...], bool], Program] = {}
         self._masked = Program(
-            task, tapped(task.system, self._points), [found or {} for found in self._masks], self._stimulus, self.target
+            task, tapped(task.system, self._points), [found or {} for found in self._masks], lambda: self._stimulus, self.target
         )
 
     @cached_property
@@ -136,7 +136,7 @@ class NativeEngine:
             faults = [self.task.atoms[atom] for _, atom in slots]
             system = tapped(self.task.system, self._points if carries else (), faults)
             acts = [*(found or {} if carries else {} for found in self._masks), *range(len(slots))]
-            self._programs[slots, carries] = Program(self.task, system, acts, self._stimulus, self.target)
+            self._programs[slots, carries] = Program(self.task, system, acts, lambda: self._stimulus, self.target)
         return self._programs[slots, carries]
 
 

@@ -5,10 +5,9 @@ All lanes read the same row of the fault-free run, which has the inputs of the s
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
-from typing import Any
+from functools import cached_property, partial
 
 from safety.inject.kernel import live_states
 from safety.inject.native.layout import Block, Row
@@ -16,7 +15,7 @@ from safety.inject.native.routine import Routine
 from safety.inject.native.tapped import Tapped
 from safety.system import State, System
 from safety.terms.column_native import bit_type, lane_vector
-from safety.terms.graph import BIT, variable, variables
+from safety.terms.graph import BIT, Term, variable, variables
 from safety.terms.llvm import Target
 from safety.terms.native import bytes_of
 
@@ -41,9 +40,12 @@ class Kernel:
     @cached_property
     def registers(self) -> tuple[State, ...]:
         """The registers that an observed wire, or an assumption, depends on at some time."""
+        return tuple(live_states(self.tapped.system.states, variables(self._observed)))
+
+    @property
+    def _observed(self) -> list[Term]:
         system = self.tapped.system
-        roots = [*(system.lookup(wire) for wire in self.wires), *system.assumptions.values()]
-        return tuple(live_states(system.states, variables(roots)))
+        return [*(system.lookup(wire) for wire in self.wires), *system.assumptions.values()]
 
     @cached_property
     def state(self) -> Block:
@@ -58,8 +60,13 @@ class Kernel:
     @cached_property
     def row(self) -> Row:
         """The fault-free run as this kernel reads it."""
-        inputs = self.tapped.system.inputs.values()
-        return Row([*(s.var for s in self.registers), *inputs], self.watched, len(self.wires))
+        return Row([*(s.var for s in self.registers), *self.inputs.values()], self.watched, len(self.wires))
+
+    @cached_property
+    def inputs(self) -> Mapping[str, Term]:
+        """The inputs that these registers, an observed wire or an assumption depend on."""
+        read = {v.uid for v in variables([*self._observed, *(s.next for s in self.registers)])}
+        return {name: term for name, term in self.tapped.system.inputs.items() if term.uid in read}
 
     # --- functions -------------------------------------------------------------------------------------------------
 
@@ -67,7 +74,7 @@ class Kernel:
         """`faulty(before, after, row, seen, taps)`: a step with faults."""
         k = Routine(self.target, "faulty", [*STEP, "ptr noalias %taps"])
         for term in self.tapped.taps:
-            k.names[term.uid] = k.load_lanes(term, "%taps", self.taps.offsets[term.uid])
+            k.bound[term.uid] = partial(k.load_lanes, term, "%taps", self.taps.offsets[term.uid])
         return self._step(k, self.tapped.system)
 
     def healthy(self) -> Routine:
@@ -76,16 +83,16 @@ class Kernel:
 
     def _step(self, k: Routine, system: System) -> Routine:
         for s in self.registers:
-            k.names[s.var.uid] = k.load_lanes(s.var, "%before", self.state.offsets[s.var.uid])
-        for term in system.inputs.values():
-            k.names[term.uid] = k.load_spread(term, "%row", self.row.places[term.uid])
-        for i, wire in enumerate(self.wires):
-            k.write([system.lookup(wire)])
-            k.store(f"i{k.lanes}", k.as_number(k.of(system.lookup(wire))), "%seen", i * WORD)
+            k.bound[s.var.uid] = partial(k.load_lanes, s.var, "%before", self.state.offsets[s.var.uid])
+        for term in self.inputs.values():
+            k.bound[term.uid] = partial(k.load_spread, term, "%row", self.row.places[term.uid])
         for s in self.registers:
             following = system.state[s.path].next
             k.write([following])
             k.store_lanes(s.var, k.of(following), "%after", self.state.offsets[s.var.uid])
+        for i, wire in enumerate(self.wires):
+            k.write([system.lookup(wire)])
+            k.store(f"i{k.lanes}", k.as_number(k.of(system.lookup(wire))), "%seen", i * WORD)
         return k
 
     def restore(self) -> Routine:
@@ -118,9 +125,9 @@ class Kernel:
         return k.load_spread(s.var, "%row", self.row.places[s.var.uid])
 
     @cached_property
-    def kept(self) -> Any:
-        """The NumPy dtype of the registers of one lane, as whole words of 8 bytes."""
-        return Row([s.var for s in self.registers], 0, 0).type
+    def kept(self) -> Row:
+        """The registers of one lane as a record."""
+        return Row([s.var for s in self.registers], 0, 0)
 
     def give(self) -> Routine:
         """`give(state, records)`: every lane as a record."""
@@ -133,10 +140,10 @@ class Kernel:
     def _lane_by_lane(self, name: str) -> Routine:
         k = Routine(self.target, name, ["ptr noalias %state", "ptr noalias %records"])
         with k.each(0, k.lanes) as lane:
-            record = k.at("%records", k.op(f"mul i64 {lane}, {self.kept.itemsize}"))
-            for i, s in enumerate(self.registers):
+            record = k.at("%records", k.op(f"mul i64 {lane}, {self.kept.type.itemsize}"))
+            for s in self.registers:
                 place, kind = k.at("%state", self.state.offsets[s.var.uid]), f"i{8 * bytes_of(s.var)}"
-                inside = self.kept.fields[f"v{i}"][1]
+                inside = self.kept.places[s.var.uid]
                 if s.var.sort == BIT and k.packed:
                     self._packed_lane(k, name, place, lane, k.at(record, inside))
                 elif name == "give":

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -45,11 +45,11 @@ class Stretch(NamedTuple):
 class Program:
     """Runs faults, given by their numbers in `acts`, on a system that can carry them.
 
-    `stimulus` has each input of the model, a value a frame.
+    `stimulus` gives each input of the model, a value a frame.
     """
 
     def __init__(
-        self, task: Task, system: Tapped, acts: Sequence[Act], stimulus: Mapping[str, Array], target: Target
+        self, task: Task, system: Tapped, acts: Sequence[Act], stimulus: Callable[[], Mapping[str, Array]], target: Target
     ) -> None:
         wires = tuple(dict.fromkeys((*task.watch, *task.count)))
         counted = [wires.index(name) for name in task.count]
@@ -72,10 +72,9 @@ class Program:
         power_up = {s.path: value for s, value in zip(system.states, values, strict=True)}
         for i, s in enumerate(kernel.registers):
             rows[f"v{i}"][0] = power_up[s.path]
-        chosen = self._choices(total)
-        for i, name in enumerate(system.inputs, start=len(kernel.registers)):
-            given = np.repeat(self._stimulus[name], t.steps) if name in self._stimulus else chosen[name]
-            rows[f"v{i}"][:total] = given
+        stimulus, chosen = self._stimulus(), self._choices(total)
+        for i, name in enumerate(kernel.inputs, start=len(kernel.registers)):
+            rows[f"v{i}"][:total] = np.repeat(stimulus[name], t.steps) if name in stimulus else chosen[name]
         state, other, seen = (aligned(n) for n in (kernel.state.size, kernel.state.size, len(kernel.wires) * WORD))
         self._library.function("restore", POINTER, POINTER)(state.ctypes.data, rows.ctypes.data)
         golden = self._library.function("golden", POINTER, NUMBER, POINTER, POINTER, POINTER)
@@ -143,7 +142,7 @@ class Program:
         columns = runs.runs + 1  # the last is of lanes that have no run
         counts = np.zeros((len(kernel.counted), last + 1 - first, columns), np.int32)
         came = np.full((kernel.watched, columns), NEVER, np.int32)
-        words = kernel.kept.itemsize // 8
+        words = kernel.kept.type.itemsize // 8
         records = np.zeros((len(column) if keep else 0, words), np.uint64)
         taken = np.zeros((len(before[0]), words), np.uint64)
         if kept is not None and going_on:

@@ -43,7 +43,12 @@ class Routine(Writer):
         super().__init__(target)
         self.name, self.parameters, self.result = name, parameters, result
         self.locals: list[str] = []
+        self.bound: dict[int, Callable[[], str]] = {}  # how to read a variable, by uid
         self.labels = 0
+
+    def variable(self, term: Term) -> str:
+        """Read a variable where it is used first: near its use, and not at all where it has none."""
+        return self.bound[term.uid]() if term.uid in self.bound else super().variable(term)
 
     # --- memory ----------------------------------------------------------------------------------------------------
 

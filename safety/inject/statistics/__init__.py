@@ -17,10 +17,11 @@ from safety.inject.statistics.binomial import any_population, clopper_pearson, r
 from safety.inject.statistics.clusters import clustered, clustered_ratio
 from safety.inject.statistics.hypergeometric import hypergeometric_limits
 from safety.inject.statistics.sequences import StopWhenSure, anytime, anytime_limits
-from safety.inject.statistics.shares import Share, share
+from safety.inject.statistics.shares import Share, bounds, share
 from safety.inject.statistics.stratified import Stratum, Trials, total, weighted
 
 __all__ = [
-    "Share", "StopWhenSure", "Stratum", "Trials", "any_population", "anytime", "anytime_limits", "clopper_pearson",
-    "clustered", "clustered_ratio", "hypergeometric_limits", "runs_without_failure", "share", "total", "weighted",
+    "Share", "StopWhenSure", "Stratum", "Trials", "any_population", "anytime", "anytime_limits", "bounds",
+    "clopper_pearson", "clustered", "clustered_ratio", "hypergeometric_limits", "runs_without_failure", "share",
+    "total", "weighted",
 ]  # fmt: skip

@@ -17,9 +17,8 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Any
 
-from safety.inject.statistics.binomial import any_population
-from safety.inject.statistics.hypergeometric import MOST, hypergeometric_limits
-from safety.inject.statistics.shares import above, below
+from safety.inject.statistics.hypergeometric import MOST
+from safety.inject.statistics.shares import above, below, bounds
 from safety.inject.statistics.tails import check_counts, one_tail
 
 ROUNDING = 1e-15  # relative error of log-gamma, with room
@@ -167,10 +166,8 @@ class StopWhenSure:
         """Bounds that would hold had this number of trials been settled beforehand; to stand beside `bounds`."""
         if not self.of:
             return 0.0, 1.0
-        if self.population is None:
-            return any_population(self.hits, self.of, self.confidence)
-        least, greatest = hypergeometric_limits(self.hits, self.of, self.population, self.confidence)
-        return below(Fraction(least, self.population)), above(Fraction(greatest, self.population))
+        low, high = bounds(self.hits, self.of, self.population, self.confidence)
+        return below(low), above(high)
 
     def to_json(self) -> dict[str, Any]:
         """Keys target, confidence, answer, hits, of, anytime and fixed (low and high each)."""

@@ -8,7 +8,7 @@ from fractions import Fraction
 from typing import Any
 
 from safety.inject.statistics.binomial import any_population
-from safety.inject.statistics.hypergeometric import hypergeometric_limits
+from safety.inject.statistics.hypergeometric import MOST, hypergeometric_limits
 
 
 @dataclass(frozen=True)
@@ -36,17 +36,26 @@ def share(
 ) -> Share | None:
     """`hits` out of `of`: exact when every case was tried, with bounds otherwise; None when there was no case.
 
-    Bounds: the hypergeometric ones when the cases are drawn without replacement from a `population` of known size;
-    else those that hold for any population, and for independent trials.
+    Bounds: see `bounds`.
     """
     if of == 0:
         return None
     if exhaustive:
         return Share.known(Fraction(hits, of))
-    if population is None:
-        return Share(hits / of, *any_population(hits, of, confidence))
+    low, high = bounds(hits, of, population, confidence)
+    return Share(hits / of, below(low), above(high))
+
+
+def bounds(hits: int, of: int, population: int | None, confidence: float = 0.99) -> tuple[Fraction, Fraction]:
+    """Bounds on a share after `hits` of `of` cases: hypergeometric for draws without replacement from a `population`.
+
+    Where its size is not known, or beyond 10^9, those that hold for any population, and for independent trials.
+    """
+    if population is None or population > MOST:
+        low, high = any_population(hits, of, confidence)
+        return Fraction(low), Fraction(high)
     least, greatest = hypergeometric_limits(hits, of, population, confidence)
-    return Share(hits / of, below(Fraction(least, population)), above(Fraction(greatest, population)))
+    return Fraction(least, population), Fraction(greatest, population)
 
 
 def below(value: Fraction) -> float:

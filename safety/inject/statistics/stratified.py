@@ -20,8 +20,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
-from safety.inject.statistics.binomial import OUTWARD, any_population
-from safety.inject.statistics.shares import Share, share
+from safety.inject.statistics.binomial import OUTWARD
+from safety.inject.statistics.shares import Share, above, below, bounds, share
 from safety.inject.statistics.tails import one_tail
 
 FOR_EACH = 0.1  # the part of the error that goes to bounds of each stratum by itself
@@ -29,18 +29,30 @@ FOR_EACH = 0.1  # the part of the error that goes to bounds of each stratum by i
 
 @dataclass(frozen=True)
 class Trials:
-    """`hits` among the `of` cases tried in a stratum that weighs `weight`; `exhaustive`: there are no other cases."""
+    """`hits` among the `of` cases tried in a stratum that weighs `weight`; `exhaustive`: there are no other cases.
+
+    `population`: how many cases there are, when they are drawn without replacement.
+    """
 
     name: str
     weight: Fraction
     hits: int
     of: int
     exhaustive: bool = False
+    population: int | None = None
+
+    def bounds(self, confidence: float) -> tuple[float, float]:
+        """Bounds on the share of the stratum by itself."""
+        low, high = bounds(self.hits, self.of, self.population, confidence)
+        return below(low), above(high)
 
 
 @dataclass(frozen=True)
 class Stratum:
-    """Faults that share a weight: `weight` of all of them, how many were tried, and how they divided."""
+    """Faults that share a weight: `weight` of all of them, how many were tried, and how they divided.
+
+    `population`: how many there are, when those tried are drawn without replacement.
+    """
 
     name: str
     weight: Fraction
@@ -49,10 +61,11 @@ class Stratum:
     dangerous_detected: int
     dangerous_undetected: int
     exhaustive: bool
+    population: int | None = None
 
     def trials(self, hits: int) -> Trials:
         """So many of those tried as trials."""
-        return Trials(self.name, self.weight, hits, self.tried, self.exhaustive)
+        return Trials(self.name, self.weight, hits, self.tried, self.exhaustive, self.population)
 
 
 def total(strata: Sequence[Trials], confidence: float = 0.99) -> Share:
@@ -117,10 +130,10 @@ def _bounds(strata: Sequence[Trials], tail: float) -> tuple[float, float]:
         return known, known
     whole = float(sum((s.weight for s in sampled), Fraction(0)))
     if len(sampled) == 1:
-        low, high = any_population(sampled[0].hits, sampled[0].of, 1 - 2 * tail)
+        low, high = sampled[0].bounds(1 - 2 * tail)
     else:
         alone = 1 - FOR_EACH * tail / len(sampled)
-        cases = [_Case(float(s.weight) / whole, s.hits, s.of, *any_population(s.hits, s.of, alone)) for s in sampled]
+        cases = [_Case(float(s.weight) / whole, s.hits, s.of, *s.bounds(alone)) for s in sampled]
         low, high = sum(c.weight * c.low for c in cases), sum(c.weight * c.high for c in cases)
         low = max(low, -_least_bound(cases, (1 - FOR_EACH) * tail, -1))
         high = min(high, _least_bound(cases, (1 - FOR_EACH) * tail, 1))

@@ -17,7 +17,7 @@ from enum import Enum
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from safety.canonical import PACKAGE, NoKeyError, Text, digest, files, text_of
+from safety.canonical import PACKAGE, READINGS, NoKeyError, Text, digest, files, text_of
 from safety.inject.monitors import observing
 from safety.inject.store.shards import StoreError
 from safety.system import System
@@ -26,7 +26,7 @@ from safety.tracing import trace
 if TYPE_CHECKING:
     from safety.inject.campaign import Campaign
 
-ENGINE = ("*.py", "terms/**/*.py", "inject/*.py", "inject/native/**/*.py")  # what answers, below the package
+ENGINE = (*READINGS, "inject/*.py", "inject/native/**/*.py")  # what answers, below the package
 TOLD = {  # of a campaign: shown, concluded from the answers, or a way to the same answers
     "id", "module", "confidence", "expect", "engine", "collapsing", "audit",
     "target_coverage",

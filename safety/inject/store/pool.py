@@ -76,7 +76,7 @@ class Processes(Executor):
         for _ in self._threads:
             self._tasks.put(None)
         for worker in () if wait else tuple(self._live):
-            worker.process.kill()
+            worker.kill()
         for thread in self._threads:
             thread.join()
 
@@ -99,6 +99,8 @@ class Processes(Executor):
             if worker is None:
                 worker = _Worker()
                 self._live.add(worker)
+                if self._abandoned:  # meanwhile
+                    worker.kill()
             try:
                 done, value = worker.call(task)
             except EOFError:
@@ -136,6 +138,11 @@ class _Worker:
         except OSError as error:
             raise EOFError from error
         return answer
+
+    def kill(self) -> None:
+        """End the process at once."""
+        with contextlib.suppress(ValueError):  # it has ended
+            self.process.kill()
 
     def end(self) -> str:
         """End the process; returns how it ended."""

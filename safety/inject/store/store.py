@@ -56,7 +56,7 @@ class Store:
             found = Stored(self, campaign, key)
             known = self.asked(Ledger.campaigns)
         for old, (name, _) in known.items():
-            if name == campaign.id and old != key:
+            if name == campaign.id and old != key and not found.shards:
                 self.note(
                     f"{campaign.id} is not what it was: it starts anew in {self.folder(key).name}/; what was found "
                     f"before is left in {self.folder(old).name}/"
@@ -68,7 +68,9 @@ class Store:
         try:
             return what(self._ledger)
         except sqlite3.OperationalError as error:  # full, locked, read-only: nothing is wrong with what is there
-            raise StoreError(f"{self.root}: the ledger cannot be used: {error}; the shards are kept") from None
+            raise StoreError(
+                f"{self.root}: the ledger cannot be used: {error}; the shards are kept; {ELSEWHERE}"
+            ) from None
         except sqlite3.DatabaseError as error:
             self.note(f"the ledger is damaged ({error}); it is made anew from the shards")
             self.rebuild()
@@ -130,7 +132,7 @@ class Stored:
         for place, header in self.shards.items():
             listed = header.undetected if header.undetected <= LISTED else 0
             if entered.get(place) != (header.digest, listed):
-                self._enter(header, *self._undetected(header))
+                self._enter(header, self._undetected(header))
 
     def _enter(self, header: Header, *told: Any) -> None:
         self.store.asked(lambda ledger: ledger.enter(header, *told))
@@ -200,9 +202,9 @@ class Stored:
 
     def undetected(self) -> list[int]:
         """The numbers of the dangerous undetected injections, in order."""
-        listed = [number for number, _ in self.store.asked(lambda ledger: ledger.undetected(self.key))]
+        listed = {number for number, _ in self.store.asked(lambda ledger: ledger.undetected(self.key))}
         unlisted = (header for header in self.shards.values() if header.undetected > LISTED)
-        return sorted([*listed, *(number for header in unlisted for number in self._numbers(header))])
+        return sorted(listed.union(*map(self._numbers, unlisted)))
 
     def _read(self, header: Header) -> Judged:
         path = self.folder / header.name

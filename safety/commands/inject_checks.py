@@ -1,0 +1,104 @@
+"""What `inject` refuses before anything runs, and who works where its results are kept in a store."""
+
+from __future__ import annotations
+
+import sys
+from argparse import Namespace
+from collections.abc import Mapping
+from contextlib import ExitStack
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from safety.commands import CommandError, options
+from safety.commands.evaluate import Answer, find
+from safety.commands.injecting import EVERY, Wishes, injected, prepare, records
+from safety.commands.output import probe
+from safety.inject.baseline_file import same_campaign
+from safety.system import nearest
+
+if TYPE_CHECKING:
+    from safety.commands.evaluate import Evaluate, Note, Order
+    from safety.commands.selection import Item
+    from safety.commands.session import Session
+    from safety.project import Project
+
+KIND = "rightside/baseline/"  # in every baseline
+
+
+def refuse(args: Namespace) -> None:
+    """Refuse what cannot be written, or contradicts itself, before hours of work."""
+    for target in filter(None, (args.write_baseline, args.sarif, args.junit, args.csv, args.xlsx)):
+        probe(Path(target))
+    if args.baseline and args.baseline == args.write_baseline:
+        raise CommandError(f"--baseline and --write-baseline are both {args.baseline}: compare first, then accept")
+    if args.xlsx:
+        try:
+            import openpyxl  # noqa: F401
+        except ImportError:
+            raise CommandError("--xlsx: openpyxl is not installed; pip install rightside[xlsx]") from None
+    if args.shard and args.write_baseline:
+        raise CommandError("--write-baseline with --shard would keep a part; write it where the shards are merged")
+
+
+def check(session: Session, args: Namespace, stack: ExitStack) -> Evaluate | None:
+    """Refuse targets and baselines that do not fit; what works in this process where results are kept in a store."""
+    wishes = Wishes(
+        args.engine, not args.no_collapse, args.audit, dict(args.targets), args.baseline or "",
+        bool(args.write_baseline), args.shrink, args.csv or "", args.xlsx or "", args.shard or "",
+        several=len(session.chosen) > 1,
+    )  # fmt: skip
+    args.injecting = wishes.__dict__
+    known = [campaign.id for campaign in session.project.campaigns]
+    for name in wishes.targets:
+        if name != EVERY and name not in known:
+            raise CommandError(f"--target-coverage {name}=...: no campaign {name!r}; {nearest(name, known)}")
+    if args.write_baseline and Path(args.write_baseline).exists():
+        if session.part:
+            records(args.write_baseline)
+        elif KIND not in Path(args.write_baseline).read_text(encoding="utf-8", errors="replace"):
+            raise CommandError(f"{args.write_baseline} is there and is no baseline; it is not written over")
+    settings = {**session.project.config.settings, **dict(args.settings)}
+    kept = _kept(args, session, wishes, settings, stack)
+    if wishes.baseline or kept:
+        for item in session.chosen:
+            prepare(find(session.project.campaigns, item.id), wishes, settings)
+    if wishes.baseline:
+        _fits(session, records(wishes.baseline), wishes.baseline)
+    return kept
+
+
+def _fits(session: Session, there: Mapping[str, Any], file: str) -> None:
+    """Refuse a baseline of other campaigns."""
+    chosen = [item.id for item in session.chosen]
+    new, gone = [name for name in chosen if name not in there], [name for name in there if name not in chosen]
+    write = f"`rightside inject --write-baseline {file}` accepts what is found now"
+    if new:
+        raise CommandError(f"{file} has no campaign {new[0]!r}; it has {', '.join(there) or 'none'}; {write}")
+    if gone and not (session.part or session.project.problems):
+        raise CommandError(f"{file} has the campaign {gone[0]!r}, which the project no longer declares; {write}")
+    for name in chosen:
+        same_campaign(there[name], find(session.project.campaigns, name), file)
+
+
+def _kept(
+    args: Namespace, session: Session, wishes: Wishes, settings: Mapping[str, Any], stack: ExitStack
+) -> Evaluate | None:
+    """What works on a campaign whose results are kept; None where they are not."""
+    if not (args.store or args.resume or args.shard or args.merge or args.executor):
+        return None
+    from safety.commands.sharding import Kept
+    from safety.inject.store import FOLDER, Part, open_executor
+
+    root = session.project.root
+    Part.parse(args.shard or "1/1")
+    jobs = args.jobs or session.project.config.jobs or options.cores()
+    executor = stack.enter_context(open_executor(args.executor or "processes", workers=jobs))
+    kept = Kept(
+        Path(args.store) if args.store else root / FOLDER, executor, root, settings, wishes,
+        resume=args.resume or bool(args.merge), merge=args.merge, told=lambda text: print(text, file=sys.stderr),
+    )  # fmt: skip
+
+    def here(project: Project, item: Item, order: Order, note: Note) -> Answer:
+        return Answer(item, injected(find(project.campaigns, item.id), wishes, root, note, kept.run))
+
+    return here
