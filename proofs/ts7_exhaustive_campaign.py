@@ -9,8 +9,13 @@ the limit, then 6000 at 68.8 km/h, 8 words above it.
 Dangerous: the train has been too fast for the time by which the proof has the brake applied (`Chain.braked`, relays
 with their 30 ms and 20 ms), and for the release time of a relay, 20 ms, there is neither normal nor emergency brake: an
 interruption that no relay follows does no harm.  Safe side: a brake within the limit, for as long.  Detected: a target
-drops, a relay CHR falls, or a channel finds its own fault, for as long, no later than the hazard.  The channels start in
-equal phases without error.
+drops, a relay CHR falls, or a channel finds its own fault, for as long, no later than the hazard.  The channels start
+in equal phases without error.
+
+Results: no upset is dangerous, wherever and whenever it comes; 47 046 are shown by a target, the others leave no sign.
+Five single stuck bits defeat the brake: no speed pulse, two bits of the wheel word, the coil and the contact of relay
+NB.  Of the pairs 5053 do: 2866 with one of these five, and 3 * 27 * 27 that silence two channels, each in one of 27
+ways.  2687 are found in time; so these are 53 % coverage of pairs, and none of singles.
 """
 
 from __future__ import annotations

@@ -40,7 +40,9 @@ from models.ts7.system import Ts7
 from models.ts7.train import PER_WORD
 from proofs.ts7_brake_chain import CHANNELS, RELEASE, WORDS, Chain
 from proofs.ts7_formulas import at_least_kmh, at_most_kmh, frames_for
+from proofs.ts7_hazards import overspeed_without_brake
 from proofs.ts7_parts import component_rate
+from proofs.ts7_voting import brakes_with_one_channel_broken
 from safety import ANY_TIME, Fault, any_of
 from safety.inject import Campaign, Counts, Group, Runs
 
@@ -198,20 +200,21 @@ overspeed = Campaign(
     safe_side=stops,
     detected=revealed,
     faults=list(rows()),
+    proofs=[brakes_with_one_channel_broken, overspeed_without_brake],
     expect={"safe": 7, "detected": 143, "dangerous_undetected": 7, "no_effect": 235, "safe/yes": 2, "wrong/yes": 0},
 )  # fmt: skip
 
 roll_back = replace(
     overspeed,
     id="ts7_roll_back_single_faults",
-    stimulus=ROLLS_BACK, measured=ROLLS_BACK.measured, block=ROLLS_BACK.block,
+    proofs=(), stimulus=ROLLS_BACK, measured=ROLLS_BACK.measured, block=ROLLS_BACK.block,
     expect={"safe": 6, "detected": 98, "dangerous_undetected": 4, "no_effect": 284, "safe/yes": 2, "wrong/yes": 0},
 )  # fmt: skip
 
 pairs = replace(
     overspeed,
     id="ts7_overspeed_channel_pairs",
-    faults=list(channels()),
+    proofs=(), faults=list(channels()),
     order=2, sample=1000, seed=1,
     expect={"safe": 0, "detected": 627, "dangerous_undetected": 12, "no_effect": 361, "wrong/yes": 0},
 )  # fmt: skip

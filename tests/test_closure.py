@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import pytest
 
-from safety.closure import compared, covers, settled
+from safety.closure import compared, covers
 from safety.faults import (
     ANY_TIME,
     FROM_START,
@@ -24,6 +24,7 @@ from safety.inject import Campaign, CampaignError, Group
 from safety.model import Model, point, power_up
 from safety.prove.claims import PROVED, Claim, Seen, claim, registered
 from safety.prove.hazards import Hazard
+from safety.report.closing import settled
 from safety.terms import U4, Bit, at_least, select
 from safety.tracing import trace
 

@@ -188,7 +188,7 @@ def _campaign(project: Project, item: Item, order: Order, note: Note) -> Answer:
 
     campaign, wishes = find(project.campaigns, item.id), Wishes(**order.injecting)
     prepare(campaign, wishes, order.settings)
-    return Answer(item, injected(campaign, wishes, project.root, note))
+    return Answer(item, injected(campaign, wishes, project, note))
 
 
 def _hazard(project: Project, item: Item, order: Order, note: Note) -> Answer:

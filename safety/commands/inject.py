@@ -111,9 +111,7 @@ def _number(text: str) -> int:
 
 def _write(args: Namespace, session: Session) -> None:
     """Write the files that are asked for, and say which a campaign wrote itself."""
-    from safety.commands.injecting import Wishes
-
-    results, wishes = session.results, Wishes(**args.injecting)
+    results = session.results
     if args.sarif:
         from safety.report.sarif import sarif
 
@@ -124,12 +122,13 @@ def _write(args: Namespace, session: Session) -> None:
         write(Path(args.junit), junit(results, timings=True))
     if args.write_baseline:
         _write_baseline(session, Path(args.write_baseline))
-    modes = [entry["id"] for entry in results["campaigns"] if entry.get("fmeda")]
-    if (args.csv or args.xlsx) and not modes:
-        print("no table of failure modes: it is of campaigns of single faults", file=sys.stderr)
-    for kind in ("csv", "xlsx") if modes else ():
-        for file in filter(None, (wishes.file(kind, name) for name in modes)):
-            print(f"failure modes: {file}", file=sys.stderr)
+    if args.csv or args.xlsx:
+        from safety.commands.injecting import Wishes
+
+        modes = [entry["id"] for entry in results["campaigns"] if entry.get("fmeda")]
+        files = [Wishes(**args.injecting).file(kind, name) for kind in ("csv", "xlsx") for name in modes]
+        told = ", ".join(str(file) for file in files if file) or "none: these campaigns are not of single faults"
+        print(f"failure modes: {told}", file=sys.stderr)
 
 
 def _write_baseline(session: Session, file: Path) -> None:

@@ -99,6 +99,9 @@ def _kept(
     )  # fmt: skip
 
     def here(project: Project, item: Item, order: Order, note: Note) -> Answer:
-        return Answer(item, injected(find(project.campaigns, item.id), wishes, root, note, kept.run))
+        entry = injected(find(project.campaigns, item.id), wishes, project, note, kept.run)
+        if kept.resume:  # some may have been there
+            entry["injections_per_second"] = None
+        return Answer(item, entry)
 
     return here

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from safety.commands import CommandError
 from safety.commands.evaluate import Note, fitting
 from safety.commands.gate import against, aim
-from safety.project import Value
+from safety.project import Project, Value
 from safety.report.numbers import number
 
 if TYPE_CHECKING:
@@ -64,14 +64,18 @@ def prepare(campaign: Campaign, wishes: Wishes, settings: Mapping[str, Value]) -
         setattr(campaign, name, value)
 
 
-def injected(campaign: Campaign, wishes: Wishes, root: Path, note: Note, run: Run | None = None) -> Entry:
+def injected(campaign: Campaign, wishes: Wishes, project: Project, note: Note, run: Run | None = None) -> Entry:
     """The entry of a campaign that is prepared; `run` gives its result, by default in this process."""
     try:
         result, problems = (run or here)(campaign, note)
     except ImportError as missing:
         raise CommandError(f"{campaign.id}: engine {campaign.engine}: {missing}; give --engine lanes") from None
     entry = result.to_json()
-    entry["declared"] = declared(campaign, root)
+    entry["declared"] = declared(campaign, project.root)
+    if campaign.proofs and not result.interrupted:
+        from safety.closure import compared
+
+        entry["closure"] = {"faults": compared(campaign, result, project.claims, project.hazards)}
     if wishes.shard and result.interrupted:
         _as_a_part(entry, wishes.shard, len(campaign.space))
     entry["surprises"] += problems

@@ -35,6 +35,7 @@ from safety.commands.versions import versions
 from safety.commands.workers import Workers
 from safety.project import MODELS, PROOFS, Problem, Project, open_project
 from safety.report import terminal
+from safety.report.closing import settled
 from safety.report.results import Results, ResultsError, empty, exit_code, merge, validate
 from safety.report.schema import SCHEMA
 from safety.report.standing import DISAGREE, INTERNAL, NOTHING, WORDS, standing
@@ -231,6 +232,9 @@ class Session:
         problems, args = self.project.problems, self.args
         if problems:
             self.results["limits"] = [f"left out: {each.file}:{each.line}: {each.message}" for each in problems]
+        for place, entry in enumerate(self.results.get("campaigns", ())):
+            if entry.get("closure"):
+                self.results["campaigns"][place] = settled(entry, self.results)
         warning = self._keep()
         if self.earlier and not problems:
             self.earlier.keep(self.results)

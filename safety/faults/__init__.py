@@ -14,7 +14,7 @@ and what is proved are the same fault.  No second, faulty copy of a model exists
 from safety.faults.budget import Budget, any_of_faults, at_most, every, expand
 from safety.faults.fault import ANY_TIME, FROM_START, INTERMITTENT, ONSETS, TRANSIENT, Fault, common_cause
 from safety.faults.instrument import PREFIX, Faulted, any_active, instrument, now_name, present_name, together
-from safety.faults.places import Placed, matching, placed, where
+from safety.faults.places import Placed, is_wide, matching, placed, where
 from safety.faults.runs import schedule, within
 from safety.kinds import (
     Kind,
@@ -34,6 +34,6 @@ __all__ = [
     "ANY_TIME", "FROM_START", "INTERMITTENT", "ONSETS", "PREFIX", "TRANSIENT",
     "Budget", "Fault", "Faulted", "Kind", "Placed", "Seat",
     "any_active", "any_of_faults", "at_most", "byzantine", "common_cause", "delayed", "every", "expand", "extra",
-    "flip", "frozen", "instrument", "matching", "missing", "now_name", "open_circuit", "placed", "present_name",
-    "schedule", "stuck", "together", "welded", "where", "within",
+    "flip", "frozen", "instrument", "is_wide", "matching", "missing", "now_name", "open_circuit", "placed",
+    "present_name", "schedule", "stuck", "together", "welded", "where", "within",
 ]  # fmt: skip

@@ -104,3 +104,12 @@ def names_of(places: Iterable[Placed]) -> tuple[str, ...]:
 def where(system: System, fault: Fault) -> tuple[str, ...]:
     """Full names of the points or registers at which a fault acts, each once; raises as `placed` does."""
     return names_of(placed(system, fault))
+
+
+def is_wide(system: System, fault: Fault) -> bool:
+    """Whether a fault joins points or acts on parts.
+
+    Several such faults, if not meant to be there at once, are better built into a system each: lines that are joined
+    in two ways may depend on each other, and each fast clock multiplies the terms of the steps that it repeats.
+    """
+    return any(place.kind.place in (POINTS, PART) for place in placed(system, fault))

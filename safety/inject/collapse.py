@@ -79,7 +79,7 @@ class End:
 
 
 def collapse(system: System, faults: Sequence[Fault], looked_at: Iterable[str]) -> Collapse:
-    """Collapse single faults; `looked_at` names the signals that are.  Raises `ModelError` for one that fits nowhere."""
+    """Collapse single faults; `looked_at` names the signals that are.  Raises `ModelError` for what does not fit."""
     import numpy as np
 
     found = [masks(system, fault) for fault in faults]

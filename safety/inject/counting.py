@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING, Any
 
 from safety.inject.classes import CELLS
-from safety.inject.judging import UNMADE, Judged
+from safety.inject.judging import UNDETECTED, UNMADE, Judged
 
 if TYPE_CHECKING:
     import numpy as np
@@ -57,17 +57,28 @@ def latencies(judged: Judged, detectors: int) -> list[dict[str, Any]]:
     import numpy as np
 
     edges = np.array([0, *(d * 10**k for k in range(10) for d in (1, 2, 5))])
-    found = []
-    for detector in range(detectors):
-        numbers, total, least, greatest = np.zeros(len(edges), dtype=np.int64), 0, 2**32, -1
-        for low, high in pieces(len(judged)):
-            took = judged.latency[low:high][judged.detector[low:high] == detector]
-            if len(took):
-                numbers += np.bincount(np.searchsorted(edges, took), minlength=len(edges))
-                total += int(took.sum(dtype=np.int64))
-                least, greatest = min(least, int(took.min())), max(greatest, int(took.max()))
-        count = int(numbers.sum())
-        histogram = [[int(edge), int(number)] for edge, number in zip(edges, numbers, strict=True) if number]
-        latency = {"min": least, "max": greatest, "mean": total / max(count, 1), "unit": "frames", "histogram": histogram}
-        found.append({"count": count, "latency": latency if count else None})
-    return found
+    numbers, sums = np.zeros((detectors, len(edges)), dtype=np.int64), [0] * detectors
+    ends: list[list[int]] = [[] for _ in range(detectors)]
+    for low, high in pieces(len(judged)):
+        found = np.flatnonzero(judged.detector[low:high] != UNDETECTED)
+        by, times = judged.detector[low:high][found], judged.latency[low:high][found]
+        for detector in np.unique(by).tolist():
+            took = times[by == detector]
+            numbers[detector] += np.bincount(np.searchsorted(edges, took), minlength=len(edges))
+            sums[detector] += int(took.sum(dtype=np.int64))
+            ends[detector] += [int(took.min()), int(took.max())]
+    return [
+        {"count": 0, "latency": None}
+        if not ends[k]
+        else {
+            "count": int(numbers[k].sum()),
+            "latency": {
+                "min": min(ends[k]),
+                "max": max(ends[k]),
+                "mean": sums[k] / int(numbers[k].sum()),
+                "unit": "frames",
+                "histogram": [[int(e), int(n)] for e, n in zip(edges, numbers[k], strict=True) if n],
+            },
+        }
+        for k in range(detectors)
+    ]

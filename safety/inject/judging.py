@@ -17,7 +17,6 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from safety.inject.campaign import Campaign
-
     from safety.inject.ranks import Positions
 
     Bytes = npt.NDArray[np.uint8]

@@ -11,12 +11,11 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-from safety.faults import placed, schedule, where
+from safety.faults import is_wide, schedule, where
 from safety.inject.engine import NEVER, NONE, Batch, Outcome, Task
 from safety.inject.kernel import BROKEN, Kernel, build_kernel
 from safety.inject.masks import KEEP, TURN, Mask, masks
 from safety.inject.space import CampaignError
-from safety.kinds import POINT
 from safety.terms.table import is_object
 from safety.terms.texts import lane_type
 from safety.trace import initial_state
@@ -94,8 +93,8 @@ class LaneEngine:
 
     @cached_property
     def _wide(self) -> list[bool]:
-        """Which atoms join points or act on parts: those of different runs may contradict, or multiply, each other."""
-        return [any(p.kind.place != POINT for p in placed(self.task.system, atom)) for atom in self.task.atoms]
+        """Which atoms join points or act on parts: those of different runs are not built in together."""
+        return [is_wide(self.task.system, atom) for atom in self.task.atoms]
 
     def _built_in(self, batch: Batch) -> Lanes:
         """Which faults of each run no mask can carry: those without one, and what shares their points.
@@ -252,6 +251,8 @@ class _FaultLanes:
 
         rows = [(np.where(self.atoms == NONE, NEVER, a)) for a in (self.first, self.end)]
         steps = np.concatenate([row.ravel() for row in rows])
+        if not len(steps):
+            return {}
         columns = np.tile(np.arange(self.atoms.shape[1]), 2 * self.atoms.shape[0])
         order = np.argsort(steps, kind="stable")
         found, starts = np.unique(steps[order], return_index=True)

@@ -123,9 +123,10 @@ class Result:
         """The numbers of the injections made, all or those of some classes."""
         import numpy as np
 
-        chosen = [i for i, cell in enumerate(CELLS) if not classes or class_of(cell) in classes]
+        wanted = np.zeros(256, dtype=np.bool_)  # by cell
+        wanted[[i for i, cell in enumerate(CELLS) if not classes or class_of(cell) in classes]] = True
         for low, high in pieces(len(self.judged)):
-            yield from (low + np.flatnonzero(np.isin(self.judged.cells[low:high], chosen))).tolist()
+            yield from (low + np.flatnonzero(wanted[self.judged.cells[low:high]])).tolist()
 
     def injections(self, *classes: str) -> Iterator[tuple[Injection, str]]:
         """The injections made with their cell, all or those of some classes."""

@@ -1,7 +1,7 @@
 """What a claim forbids, as something to look for in a run: one formula for the proof and for the injection campaign.
 
-    Campaign(..., hazard=violation(brakes_on_overspeed))            the claim's formula does not hold
-    Campaign(..., hazard=happening(overspeed_without_brake))        the hazard's formula holds
+Campaign(..., hazard=violation(brakes_on_overspeed))            the claim's formula does not hold
+Campaign(..., hazard=happening(overspeed_without_brake))        the hazard's formula holds
 """
 
 from __future__ import annotations

@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Mapping, Sequence
+from html import escape
 from typing import NamedTuple
 
 from safety.report.numbers import number
@@ -50,7 +51,7 @@ def histogram_svg(found: Sequence[Bin], unit: str, what: str) -> str:
     parts = []
     for n, one in enumerate(found):
         tall = max(LEAST, HIGH * one.values / most) if one.values else 0.0
-        hint = element("title", f"{_ends(one)} {unit}: {number(one.values)}")
+        hint = element("title", escape(f"{_ends(one)} {unit}: {number(one.values)}"))
         whole = element("rect", x=SIDE + n * wide, y=TOP, width=wide, height=HIGH, class_="ground")
         bar = element(
             "rect", x=SIDE + n * wide + 0.5, y=TOP + HIGH - tall, width=wide - 1, height=tall, class_="column"

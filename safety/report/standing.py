@@ -70,7 +70,7 @@ def standing(section: str, entry: Entry) -> Standing:
         return Standing(INTERNAL, f"internal error: {entry['error']}")
     if section == "claims":
         return _claim(entry)
-    if entry.get("as_expected") is False:
+    if entry.get("as_expected") is False and not (entry.get("closure") or {}).get("contradictions"):
         return Standing(FAILED, entry.get("note") or "not as expected")
     return {"campaigns": _campaign, "trees": _tree, "rates": _target}.get(section, _figure)(entry)
 
@@ -98,6 +98,9 @@ def _strength(entry: Entry) -> str:
 
 
 def _campaign(entry: Entry) -> Standing:
+    contradictions = (entry.get("closure") or {}).get("contradictions")
+    if contradictions:
+        return Standing(DISAGREE, f"proof and simulation contradict each other: {'; '.join(contradictions)}")
     if not entry["exhaustive"] and entry.get("expect", {}).get("exhaustive", True):
         return Standing(WEAKER, f"a sample of {entry['injections']} injections, expected all")
     return Standing(AS_ASKED)

@@ -10,15 +10,15 @@ from typing import Any
 import numpy as np
 
 from safety import kinds
-from safety.faults import INTERMITTENT, Fault, common_cause, instrument, schedule
+from safety.faults import INTERMITTENT, Fault, instrument, schedule
 from safety.inject.engine import NEVER, NONE, Batch, Outcome, Task, Timing
 from safety.model import ANY
 from safety.system import Clock, State, System
 from safety.terms import implies, select
 from safety.terms.graph import BIT, Sort, Term, integer, node, uint, variable
-from safety.terms.values import const
 from safety.trace import run
 
+SHORT = Timing(3, 24, 8, 1)
 RANGES = ((-9, -2), (-128, 127), (-7, 300), (3, 9), (0, 11534335), (-40000, 40000))
 
 
@@ -59,12 +59,13 @@ class Pool:
             lambda: ~bit, lambda: bit & self.any("bit"), lambda: bit | self.any("bit"), lambda: bit ^ self.any("bit"),
             lambda: implies(bit, self.any("bit")), lambda: bit == self.any("bit"), lambda: bit.word(),
             lambda: number + other, lambda: number - other, lambda: number * other, lambda: number + pick.randrange(9),
-            lambda: number == other, lambda: number < other, lambda: number <= other, lambda: number > pick.randrange(99),
+            lambda: number == other, lambda: number < other, lambda: number <= other, lambda: number > pick.randrange(9),
             lambda: select(bit, word, like), lambda: word & like, lambda: word | like, lambda: word ^ like,
             lambda: word // pick.choice([1, 3, 7, 10, 256]), lambda: word % pick.choice([1, 3, 7, 10, 256]),
-            lambda: word.concat(like), lambda: word.bit(pick.randrange(word.width)), lambda: number.low(pick.randint(1, 20)),
-            lambda: word.slice(0, word.width), lambda: word.sat(pick.randint(1, 12)), lambda: (word + like).bit(word.width),
-            lambda: (word + like).low(word.width), lambda: (word + like).sat(word.width), lambda: ~word,
+            lambda: word.concat(like), lambda: word.bit(pick.randrange(word.width)), lambda: ~word,
+            lambda: number.low(pick.randint(1, 20)), lambda: word.sat(pick.randint(1, 12)),
+            lambda: word.slice(0, word.width), lambda: (word + like).bit(word.width),
+            lambda: (word + like).low(word.width), lambda: (word + like).sat(word.width),
             lambda: select(bit, self.any("bit"), self.any("bit")),
         ])()  # fmt: skip
         if made.sort.kind == "bit" or all(abs(b) < 1 << 60 for b in made.sort.bounds):
@@ -135,7 +136,13 @@ def _memory_fault(pick: random.Random, name: str, sort: Sort, same: list[str], l
         joined += [kinds.wired_and(late=True), kinds.bridge(late=True)] if sort.kind != "int" else []
         return Fault(pick.choice(joined), [name, other], name=label)
     if special < 0.3:
-        at_part = [kinds.clock_stop(), kinds.clock_slow(3), kinds.clock_fast(2), kinds.clock_glitch(0), kinds.power_dip()]
+        at_part = [
+            kinds.clock_stop(),
+            kinds.clock_slow(3),
+            kinds.clock_fast(2),
+            kinds.clock_glitch(0),
+            kinds.power_dip(),
+        ]
         return Fault(pick.choice(at_part), [pick.choice(["part0", "part1"])], name=label)
     kind = pick.choice(some)
     if special < 0.4:
@@ -159,7 +166,7 @@ def random_batch(task: Task, seed: int, runs: int, order: int = 2) -> Batch:
     return Batch(atoms.astype(np.int32), first.astype(np.int32), end.astype(np.int32))
 
 
-def random_task(seed: int, timing: Timing = Timing(3, 24, 8, 1), atoms: int = 24, **how: Any) -> Task:
+def random_task(seed: int, timing: Timing = SHORT, atoms: int = 24, **how: Any) -> Task:
     """A task on a random system: its stimulus changes from frame to frame."""
     system = random_system(seed)
     pick = random.Random(seed)

@@ -50,8 +50,8 @@ def wrong_classes(seed: int, order: int) -> tuple[int, Counter[str]]:
     plain, others = list(bit_faults(system)), list(other_faults(pick, system))
     rows = [(place,) for place in range(len(plain) + len(others))]
     if order > 1:
-        rows = [tuple(sorted(pick.sample(range(len(plain)), order))) for _ in range(1500)]
-        rows += [(*sorted(pick.sample(range(len(plain)), order - 1)), len(plain) + k % len(others)) for k in range(60)]
+        rows = [tuple(sorted(pick.sample(range(len(plain)), order))) for _ in range(700)]
+        rows += [(*sorted(pick.sample(range(len(plain)), order - 1)), len(plain) + k % len(others)) for k in range(24)]
     return differing(system, [*plain, *others], rows, pick)
 
 
@@ -69,8 +69,8 @@ def chains() -> System:
     """A wire through three points, and constants through points into a gate."""
     x, y = variable("x", BIT), variable("y", uint(WIDTH))
     p = node("point", (x,), "p", BIT)
-    q = node("point", (p,), "q", BIT)
-    r = node("point", (~q & (y < 5),), "r", BIT)
+    q = node("point", (p & (y < 6),), "q", BIT)
+    r = node("point", (q & (y < 5),), "r", BIT)
     c, d = (node("point", (bit(True),), name, BIT) for name in "cd")
     e = node("point", (c & ~d,), "e", BIT)
     points = {str(t.attr): t for t in (p, q, r, c, d, e)}
@@ -122,9 +122,7 @@ def disagreements(reader: Term, place: Term, told: Callable[..., Mask | None]) -
             continue
         number += 1
         for values in product(*([False, True] if leaf.sort == BIT else range(8) for leaf in leaves)):
-            faulty = [
-                type(v)(shows(mask, v)) if leaf is place else v for leaf, v in zip(leaves, values, strict=True)
-            ]
+            faulty = [type(v)(shows(mask, v)) if leaf is place else v for leaf, v in zip(leaves, values, strict=True)]
             wrong += step(*faulty)[0] != shows(further, step(*values)[0])
     return wrong, number
 
@@ -156,7 +154,7 @@ def test_a_fault_in_the_zone_of_another_is_not_taken_for_apart(monkeypatch: pyte
     assert any(wrong_classes(seed, order)[0] for seed in range(12))
 
 
-@pytest.mark.parametrize("left_out", ["", "q", "c", "d"])
+@pytest.mark.parametrize("left_out", ["", "q", "d"])
 def test_a_zone_that_lacks_a_point_is_found(monkeypatch: pytest.MonkeyPatch, left_out: str) -> None:
     right = module.Graph.end
 
@@ -183,7 +181,9 @@ def test_a_campaign_counts_each_fault_of_a_class(campaign: Make) -> None:
     found = declared.inject()
     assert (found.tally.injections, found.tally["wrong/no"]) == (3, 2)
     assert found.to_json()["collapsed"] == {"single_faults": 3, "run": 2, "cannot_show": 0}
-    assert [declared.replay(one.id).cell for one in declared.space.injections] == [cell for _, cell in found.injections()]
+    assert [declared.replay(one.id).cell for one in declared.space.injections] == [
+        cell for _, cell in found.injections()
+    ]
 
 
 @pytest.mark.parametrize("order", [1, 2, 3])
@@ -200,7 +200,9 @@ def test_the_audit_finds_a_wrong_class(campaign: Make) -> None:
     declared = campaign(audit=True)
     right = declared.collapse()
     declared._collapses[0] = replace(right, leaders=np.where(right.leaders == 5, 0, right.leaders))
-    with pytest.raises(CampaignError, match=r"collapsing is wrong for 1 of 14 injections: count stuck-at-1 bit 2 comes"):
+    with pytest.raises(
+        CampaignError, match=r"collapsing is wrong for 1 of 14 injections: count stuck-at-1 bit 2 comes"
+    ):
         declared.inject()
 
 

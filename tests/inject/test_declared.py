@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -36,7 +35,9 @@ class Boiler(Model, event="tick"):
         hot = select(point("sensor", heat), select(self.hot < 7, (self.hot + 1).low(3), self.hot), 0)
         alarm = point("alarm", self.hot >= 4)
         return (
-            Boiler(tick=select(self.tick < 63, (self.tick + 1).low(6), self.tick), hot=hot, tripped=self.tripped | alarm),
+            Boiler(
+                tick=select(self.tick < 63, (self.tick + 1).low(6), self.tick), hot=hot, tripped=self.tripped | alarm
+            ),
             Signals(heat=heat, alarm=alarm, off=self.tripped),
         )
 
@@ -214,7 +215,9 @@ def test_first_is_there_for_judging_functions_too() -> None:
         detected=lambda counts: counts.first("alarm") < 50,
     )  # fmt: skip
     found = cells(by_function)
-    assert found["heat stuck-at-1 from step 5"] == "wrong/yes" and found["heat stuck-at-1 from step 25"] == "neutral/yes"
+    assert (
+        found["heat stuck-at-1 from step 5"] == "wrong/yes" and found["heat stuck-at-1 from step 25"] == "neutral/yes"
+    )
 
 
 # --- histograms -------------------------------------------------------------------------------------------------------

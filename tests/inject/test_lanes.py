@@ -197,7 +197,7 @@ def test_a_fault_that_begins_inside_a_frame_is_refused(campaign: Make) -> None:
 
 
 def test_a_broken_assumption_is_refused(campaign: Make) -> None:
-    with pytest.raises(CampaignError, match="breaks (an|the) assumption"):
+    with pytest.raises(CampaignError, match=r"breaks (an|the) assumption"):
         campaign(stimulus=lambda frame: {"run": frame != 40}, wrong_side=lambda counts: False).inject()
 
 

@@ -47,7 +47,7 @@ def test_outcome_is_that_of_the_python_run(seed: int, processor: str) -> None:
     try:
         lanes = LaneEngine(task).run(batch)
     except ModelError as refused:
-        assert "draws a value at each step" in str(refused)  # noqa: PT017  # within a frame the lanes cannot
+        assert "draws a value at each step" in str(refused)  # within a frame the lanes cannot
     else:
         assert differences(found, lanes) == []
 
@@ -96,7 +96,7 @@ def test_more_faults_than_are_built_in_at_once(monkeypatch: pytest.MonkeyPatch) 
     assert apart_from_python(task, batch, NativeEngine(task).run(batch), range(24)) == []
 
 
-# --- what does not fit -------------------------------------------------------------------------------------------------
+# --- what does not fit -----------------------------------------------------------------------------------------------
 
 
 def test_a_broken_assumption_is_refused_at_its_step() -> None:
@@ -105,7 +105,7 @@ def test_a_broken_assumption_is_refused_at_its_step() -> None:
     broken = replace(task.system, assumptions={"x1 is never at its top": x < x.sort.bounds[1]})
     rows = [{**task.inputs(frame), "x1": x.sort.bounds[1] * (frame == 7)} for frame in range(task.timing.frames)]
     with pytest.raises(CampaignError, match="breaks the assumption 'x1 is never at its top' of the model at step 7"):
-        NativeEngine(replace(task, system=broken, inputs=rows.__getitem__)).golden
+        _ = NativeEngine(replace(task, system=broken, inputs=rows.__getitem__)).golden
 
 
 def test_a_fault_may_break_an_assumption() -> None:
@@ -121,7 +121,9 @@ def test_a_fault_may_break_an_assumption() -> None:
 def test_a_model_that_does_not_fit_is_refused(sort: Any, message: str) -> None:
     task = random_task(5, masks_only=True)
     wide: Any = variable("wide", sort)
-    system = replace(task.system, inputs={**task.system.inputs, "wide": wide}, signals={"w0": wide < 1, "w1": bit(True)})
+    system = replace(
+        task.system, inputs={**task.system.inputs, "wide": wide}, signals={"w0": wide < 1, "w1": bit(True)}
+    )
     with pytest.raises(TermError, match=message):
         NativeEngine(replace(task, system=system, atoms=(), watch=()))
 
@@ -133,7 +135,7 @@ def test_a_kind_that_does_not_fit_its_point_is_refused() -> None:
         NativeEngine(replace(task, atoms=(Fault(stuck(0), [number]),)))
 
 
-# --- TS-7 --------------------------------------------------------------------------------------------------------------
+# --- TS-7 ------------------------------------------------------------------------------------------------------------
 
 
 def ts7(frames: int, block: int) -> Task:

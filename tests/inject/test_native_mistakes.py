@@ -1,4 +1,7 @@
-"""Mistakes planted in the driver and around it, each of which shows in the outcome of some random batch."""
+"""Mistakes planted in the driver and around it, each of which shows in the outcome of some random batch.
+
+A mistake must not write beside its memory: it has to show as a wrong number.
+"""
 
 from __future__ import annotations
 
@@ -53,7 +56,7 @@ def test_without_a_mistake_nothing_is_found() -> None:
     assert not any(found())
 
 
-# --- the time at which a fault acts ------------------------------------------------------------------------------------
+# --- the time at which a fault acts ----------------------------------------------------------------------------------
 
 
 def acting(begins: str, ends: str) -> Callable[[Driver, str, str], str]:
@@ -127,7 +130,7 @@ def before(patch: pytest.MonkeyPatch, cls: type, name: str, more: Callable[[Any]
     patch.setattr(cls, name, wrong)
 
 
-# --- registers ---------------------------------------------------------------------------------------------------------
+# --- registers -------------------------------------------------------------------------------------------------------
 
 
 def forgetting(name: str, which: slice) -> Plant:
@@ -154,7 +157,7 @@ for function in ("restore", "diverged", "record", "give", "take"):
     MISTAKES[f"{function} leaves out every other register"] = forgetting(function, slice(None, None, 2))
 
 
-# --- what is counted ---------------------------------------------------------------------------------------------------
+# --- what is counted -------------------------------------------------------------------------------------------------
 
 
 @mistake
@@ -166,14 +169,24 @@ def a_difference_counts_the_other_way(patch: pytest.MonkeyPatch) -> None:
 
 
 @mistake
-def all_counts_go_to_the_first_block(patch: pytest.MonkeyPatch) -> None:
-    before(patch, Driver, "_flush", lambda self: self.block.set(0))
+def counts_go_to_another_block(patch: pytest.MonkeyPatch) -> None:
+    right = Program.stretch
+
+    def wrong(self: Program, *args: Any, **how: Any) -> Any:
+        seen = right(self, *args, **how)
+        return seen._replace(counts=np.roll(seen.counts, 1, axis=1))
+
+    patch.setattr(Program, "stretch", wrong)
 
 
 @mistake
 def counts_of_two_wires_are_exchanged(patch: pytest.MonkeyPatch) -> None:
     right = Driver._count
-    patch.setattr(Driver, "_count", lambda self, wire, *rest: right(self, self.kernel.counted[wire == self.kernel.counted[0]], *rest))
+    patch.setattr(
+        Driver,
+        "_count",
+        lambda self, wire, *rest: right(self, self.kernel.counted[wire == self.kernel.counted[0]], *rest),
+    )
 
 
 @mistake
@@ -229,7 +242,14 @@ def a_frame_ends_a_step_early(patch: pytest.MonkeyPatch) -> None:
 
 @mistake
 def a_block_ends_a_step_early(patch: pytest.MonkeyPatch) -> None:
-    rolled(patch, "block", -1)
+    right = Program._time
+
+    def wrong(self: Program, rows: Any) -> None:
+        right(self, rows)
+        last = rows["tally"] == 2
+        rows["tally"] = np.where(rows["tally"] > 0, 1 + np.roll(last, -1), 0)
+
+    patch.setattr(Program, "_time", wrong)
 
 
 @mistake
@@ -252,7 +272,7 @@ def rolled(patch: pytest.MonkeyPatch, field: str, by: int) -> None:
     patch.setattr(Program, "_time", wrong)
 
 
-# --- lanes and stretches -----------------------------------------------------------------------------------------------
+# --- lanes and stretches ---------------------------------------------------------------------------------------------
 
 
 @mistake
@@ -302,7 +322,7 @@ def the_outcome_is_in_the_order_of_the_groups(patch: pytest.MonkeyPatch) -> None
     patch.setattr(Program, "stretch", wrong)
 
 
-# --- faults that are built in ------------------------------------------------------------------------------------------
+# --- faults that are built in ----------------------------------------------------------------------------------------
 
 
 @mistake
@@ -317,9 +337,7 @@ def a_switch_stays_off(patch: pytest.MonkeyPatch) -> None:
 @mistake
 def choices_come_a_step_late(patch: pytest.MonkeyPatch) -> None:
     right = Program._choices
-    patch.setattr(
-        Program, "_choices", lambda self, total: {n: np.roll(a, 1) for n, a in right(self, total).items()}
-    )
+    patch.setattr(Program, "_choices", lambda self, total: {n: np.roll(a, 1) for n, a in right(self, total).items()})
 
 
 @mistake

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import random
 from dataclasses import replace
+from fractions import Fraction
 from typing import Any
 
 import numpy as np
@@ -20,8 +21,9 @@ from safety.faults import (
     instrument,
     schedule,
 )
-from safety.inject.engine import NEVER, NONE, Batch, Task, Timing
+from safety.inject.engine import NEVER, NONE, Batch, Engine, Task, Timing
 from safety.inject.lanes import LaneEngine
+from safety.inject.masks import masks
 from safety.kinds import Kind, clock_fast, flip, frozen, intermittent, power_dip, stuck
 from safety.model import Model, point, power_up
 from safety.prove.solve import SAT, UNSAT, Solver, Unrolling
@@ -47,74 +49,104 @@ class Wheel(Model, event="tick"):
 
 
 class Works(Model, event="tick"):
-    """Points of every sort within logic that feeds back, two parts, and registers of the whole."""
+    """Points within logic that feeds back, two parts, and registers of the whole."""
 
     left: Wheel
     right: Wheel
     lit: Bit = power_up(False)
     level: Whole = power_up(0)
-    way: Real = power_up(0)
 
-    def step(self, w: Bit, x: U2) -> Works:
+    def step(self, w: Bit, x: U2) -> tuple[Works, Whole]:
         wire, word = point("wire", w ^ self.lit), point("word", x)
         left, round_ = self.left.step(select(wire, word, 1))
         right, other = self.right.step(point("byte", self.left.n))
         line = point("line", round_ | other)
+        lamp = point("lamp", self.lit | x.bit(1))
         whole = point("whole", (self.level + select(line, 1, word.int() - 2)).clip(-3, 3))
-        real = point("real", self.way + whole.real() / 2)
-        return Works(
-            left=left,
-            right=right,
-            lit=~line & point("lamp", self.lit | x.bit(1)),
-            level=whole,
-            way=select(real > 9, 0, real),
-        )
+        return Works(left=left, right=right, lit=~line & lamp, level=whole), whole
 
 
-WORKS = trace(Works)
-PARTS = ["left", "right", "left.n", "right.kept", "Works"]
-BY_SORT = {kind: [p for p, t in WORKS.points.items() if t.sort.kind == kind] for kind in ("bit", "uint", "int", "real")}
-KINDS = [case.kind for case in CASES]
+class Weighed(Model, event="tick"):
+    """The works, and a weight that they move: a real number, which not every engine takes."""
+
+    works: Works
+    way: Real = power_up(0)
+
+    def step(self, w: Bit, x: U2) -> Weighed:
+        works, level = self.works.step(w, x)
+        way = point("real", self.way + level.real() / 2)
+        return Weighed(works=works, way=select(way > 9, 0, way))
 
 
-def somewhere(kind: Kind, rng: random.Random) -> list[str]:
+class Plant:
+    """A model to put faults into: its points by sort, its parts, and wires that show what happens in it."""
+
+    def __init__(self, model: type[Model]) -> None:
+        bare = trace(model)
+        of = "works." if "works" in bare.parts else ""
+        wires = {
+            "wire": bare.lookup(f"{of}wire"),
+            "line": bare.lookup(f"{of}line"),
+            "sum": bare.lookup(f"{of}right.sum").bit(0),
+            "high": bare.lookup(f"{of}whole") > 0,
+            "kept": bare.lookup(f"{of}left.kept").bit(1),
+        }
+        if of:
+            wires["far"] = bare.lookup("real") > 1
+        self.wires = tuple(f"is {name}" for name in wires)
+        self.system = replace(bare, signals={**bare.signals, **{f"is {name}": wire for name, wire in wires.items()}})
+        self.registers = [s.path for s in bare.states]
+        self.points = [p for p in bare.points if p not in self.registers]
+        self.parts = [*bare.parts, f"{of}left.n", f"{of}right.kept", bare.name]
+        self.words = [s.path for s in bare.states if s.var.sort.kind == "uint"]
+        self.by_sort: dict[str, list[str]] = {}
+        for name, term in bare.points.items():
+            self.by_sort.setdefault(term.sort.kind, []).append(name)
+        self.kinds = [case.kind for case in CASES if of or case.at != ("real",)]
+
+
+WORKS, WEIGHED = Plant(Works), Plant(Weighed)
+KINDS = WEIGHED.kinds
+
+
+def somewhere(plant: Plant, kind: Kind, rng: random.Random) -> list[str]:
     """Places for a kind, drawn."""
     if kind.place == "part":
-        parts = ["left.n", "right.kept"] if "stored" in kind.name else PARTS
-        return [rng.choice(parts)]
-    sort = rng.choice([s for s in kind.sorts if len(BY_SORT[s]) >= (2 if kind.place == "points" else 1)])
-    return rng.sample(BY_SORT[sort], 2 if kind.place == "points" else rng.choice([1, len(BY_SORT[sort])]))
+        return [rng.choice(plant.words if "stored" in kind.name else plant.parts)]
+    least = 2 if kind.place == "points" else 1
+    points = plant.by_sort[rng.choice([s for s in kind.sorts if len(plant.by_sort.get(s, ())) >= least])]
+    return rng.sample(points, 2 if kind.place == "points" else rng.choice([1, len(points)]))
 
 
-def at_random(rng: random.Random, kind: Kind | None = None, onset: str | None = None) -> Fault:
-    """A fault that can be built into the works by itself, drawn; one kind in ten is a common cause of two."""
+def at_random(plant: Plant, rng: random.Random, kind: Kind | None = None, onset: str | None = None) -> Fault:
+    """A fault that can be built in by itself, drawn; without a kind, one in ten is a common cause of two."""
     onset = onset or rng.choice(ONSETS)
     when: dict[str, Any] = {} if onset == FROM_START else {"onset": onset, "at": rng.randrange(4)}
     if onset == TRANSIENT:
         when["ticks"] = rng.randrange(1, 4)
     for _ in range(100):
-        chosen = kind or rng.choice(KINDS)
-        fault = Fault(chosen, somewhere(chosen, rng), **when)
+        chosen = kind or rng.choice(plant.kinds)
+        fault = Fault(chosen, somewhere(plant, chosen, rng), **when)
         if kind is None and rng.random() < 0.1:
-            members = [rng.choice(KINDS) for _ in range(2)]
-            fault = common_cause("cause", {"+".join(somewhere(k, rng)): k for k in members}, **when)
+            members = [rng.choice(plant.kinds) for _ in range(2)]
+            fault = common_cause("cause", {"+".join(somewhere(plant, k, rng)): k for k in members}, **when)
         try:
-            instrument(WORKS, [fault])
+            instrument(plant.system, [fault])
         except ModelError as error:
             assert any(said in str(error) for said in ("depend on each other", "two kinds at", "has bits", "no bits",
                                                        "not a value", "whole numbers only")), error  # fmt: skip
         else:
             return fault
-    raise AssertionError(f"{kind} fits nowhere in the works")
+    raise AssertionError(f"{kind} fits nowhere")
 
 
-def together(rng: random.Random, *first: Fault) -> list[Fault]:
+def together(plant: Plant, rng: random.Random, *first: Fault) -> list[Fault]:
     """Up to four faults that can be built in at once."""
     for _ in range(100):
-        faults = [*first, *(at_random(rng) for _ in range(rng.choice([0, 1, 2, 3])))]
+        faults = [*first, *(at_random(plant, rng) for _ in range(rng.choice([0, 1, 2, 3])))]
         rng.shuffle(faults)
         try:
-            instrument(WORKS, faults)
+            instrument(plant.system, faults)
         except ModelError as error:
             assert "depend on each other" in str(error)
         else:
@@ -130,8 +162,6 @@ def any_value(sort: Sort, rng: random.Random) -> Any:
 
 
 def any_real(rng: random.Random) -> Any:
-    from fractions import Fraction
-
     return Fraction(rng.randrange(9), 4)
 
 
@@ -139,7 +169,8 @@ def any_real(rng: random.Random) -> Any:
 def test_readings_agree_whatever_else_is_broken(kind: Kind) -> None:
     rng = random.Random(str(kind))
     for onset in (FROM_START, rng.choice([ANY_TIME, TRANSIENT, INTERMITTENT])):
-        system = instrument(WORKS, together(rng, at_random(rng, kind, onset)), present=None).system
+        faults = together(WEIGHED, rng, at_random(WEIGHED, rng, kind, onset))
+        system = instrument(WEIGHED.system, faults, present=None).system
         state = [any_value(s.var.sort, rng) if s.power_up is ANY else s.power_up for s in system.states]
         for _ in range(4):
             row = [*state, *(any_value(term.sort, rng) for term in system.inputs.values())]
@@ -148,18 +179,20 @@ def test_readings_agree_whatever_else_is_broken(kind: Kind) -> None:
 
 # --- a run is one of those that a proof allows ---------------------------------------------------------------------
 
+Rows = list[dict[str, Any]]
 
-def stimulus(rng: random.Random, steps: int) -> list[dict[str, Any]]:
+
+def stimulus(rng: random.Random, steps: int) -> Rows:
     return [{"w": bool(rng.randrange(2)), "x": rng.randrange(4)} for _ in range(steps)]
 
 
-def possible(system: System, rows: list[dict[str, Any]], seen: list[dict[str, Any]]) -> bool:
+def possible(system: System, rows: Rows, seen: Rows) -> bool:
     """Whether the solver finds choices with which these inputs show this; it is told nothing of schedules."""
     unrolling = Unrolling(system, "z3", integers=True)
     solver = Solver("z3", unrolling.k, 30)
     for k, row in enumerate(rows):
-        values = {name: (system.lookup(name), value) for name, value in {**row, **seen[k]}.items()}
-        facts = [build("eq", (term, const(value, term.sort)), None, BIT) for term, value in values.values()]
+        values = [(system.lookup(name), value) for name, value in {**row, **seen[k]}.items()]
+        facts = [build("eq", (term, const(value, term.sort)), None, BIT) for term, value in values]
         solver.add(*unrolling.at(k, facts))
     solver.add_ranges(unrolling)
     answer = solver.check()
@@ -167,84 +200,70 @@ def possible(system: System, rows: list[dict[str, Any]], seen: list[dict[str, An
     return answer == SAT
 
 
+def seen_in(plant: Plant, faults: list[Fault], rows: Rows) -> Rows:
+    """What a run shows at all points and registers, row by row."""
+    built = instrument(plant.system, faults)
+    choose = schedule(built)
+    found = run(built.system, lambda k: rows[k] | choose(k), len(rows))
+    return [{name: found[name][k] for name in (*plant.points, *plant.registers)} for k in range(len(rows))]
+
+
 @pytest.mark.parametrize("kind", KINDS, ids=str)
 def test_what_a_run_shows_a_proof_allows(kind: Kind) -> None:
     rng = random.Random(str(kind))
-    faults = together(rng, at_random(rng, kind))
-    built, rows = instrument(WORKS, faults), stimulus(rng, 3)
-    choose = schedule(built)
-    free = instrument(WORKS, faults, present=None).system
-    points = [p for p in WORKS.points if p not in WORKS.state]
-    found = run(built.system, lambda k: rows[k] | choose(k), 3)
-    seen = [{p: found[p][k] for p in points} | {s.path: found[s.path][k] for s in WORKS.states} for k in range(3)]
-    assert possible(free, rows, seen)
-    k = rng.randrange(3)
-    strange = [*seen[:k], seen[k] | {"level": 2 if seen[k]["level"] < 1 else -2}, *seen[k + 1 :]]
-    without = instrument(WORKS, []).system
-    assert possible(without, rows, seen) == (seen == healthy(rows))
-    assert not possible(without, rows, strange)
+    faults = together(WEIGHED, rng, at_random(WEIGHED, rng, kind))
+    rows = stimulus(rng, 3)
+    seen = seen_in(WEIGHED, faults, rows)
+    assert possible(instrument(WEIGHED.system, faults, present=None).system, rows, seen)
+    assert possible(WEIGHED.system, rows, seen) == (seen == seen_in(WEIGHED, [], rows))
 
 
-def healthy(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
-    found = run(WORKS, rows)
-    points = [p for p in WORKS.points if p not in WORKS.state]
-    return [{p: found[p][k] for p in (*points, *WORKS.state)} for k in range(len(rows))]
+# --- engines -------------------------------------------------------------------------------------------------------
+
+Run = list[tuple[int, int, int]]  # each fault that is there: its atom, its first step, the step behind its last
 
 
-# --- lanes ---------------------------------------------------------------------------------------------------------
-
-WATCHED: dict[str, Any] = {
-    "wire": lambda s: s.lookup("wire"),
-    "line": lambda s: s.lookup("line"),
-    "sum": lambda s: s.lookup("right.sum").bit(0),
-    "high": lambda s: s.lookup("whole") > 0,
-    "far": lambda s: s.lookup("real") > 1,
-    "kept": lambda s: s.lookup("left.kept").bit(1),
-}
-OBSERVED = replace(WORKS, signals={**WORKS.signals, **{f"is {n}": term(WORKS) for n, term in WATCHED.items()}})
-WIRES = tuple(f"is {name}" for name in WATCHED)
-
-
-def counted_in_runs(task: Task, atoms: list[tuple[int, int, int]]) -> list[int]:
-    """True frames of each wire with these atoms on the Python reading: (atom, first step, step behind the last)."""
+def counted_in_run(plant: Plant, task: Task, one: Run) -> list[int]:
+    """True frames of each wire on the Python reading."""
     faults = [
         replace(task.atoms[i], onset=INTERMITTENT, at=first, ticks=None if end == NEVER else end - first, name=str(row))
-        for row, (i, first, end) in enumerate(atoms)
+        for row, (i, first, end) in enumerate(one)
         if i != NONE
     ]
     built = instrument(task.system, faults)
     choose = schedule(built)
     found = run(built.system, lambda k: {**task.inputs(k), **choose(k)}, task.timing.frames)
-    return [sum(found[wire]) for wire in WIRES]
+    return [sum(found[wire]) for wire in plant.wires]
 
 
-def task_of(atoms: list[Fault], rows: list[dict[str, Any]]) -> Task:
+def task_of(plant: Plant, atoms: list[Fault], rows: Rows) -> Task:
     timing = Timing(0, len(rows), len(rows), 1)
-    return Task(OBSERVED, tuple(atoms), WIRES, (), timing, lambda frame: rows[frame], {})
+    return Task(plant.system, tuple(atoms), plant.wires, (), timing, lambda frame: rows[frame], {})
 
 
-def batch_of(runs: list[list[tuple[int, int, int]]]) -> Batch:
+def batch_of(runs: list[Run]) -> Batch:
     return Batch(*(np.array([[row[what] for row in one] for one in runs], dtype=np.int32).T for what in range(3)))
 
 
-@pytest.mark.parametrize("seed", range(4))
-def test_lanes_count_what_a_run_shows(seed: int) -> None:
-    """Every kind alone and beside another, at any times, side by side on the lanes."""
-    rng = random.Random(seed)
-    task = task_of([at_random(rng, kind, FROM_START) for kind in KINDS], stimulus(rng, 10))
-    runs = []
-    for i in range(len(KINDS)):
-        first = rng.choice([0, 0, 3])
-        other = rng.choice([NONE, rng.randrange(len(KINDS))])
-        runs.append([(i, first, rng.choice([NEVER, first + 3])), (other, 2, rng.choice([NEVER, 4]))])
-    runs = [one for one in runs if fits(task, one)]
-    outcome = LaneEngine(task).run(batch_of(runs))
+def check(plant: Plant, engine: Engine, task: Task, runs: list[Run]) -> None:
+    outcome = engine.run(batch_of(runs))
     for column, one in enumerate(runs):
-        counted = [int(outcome.counts[wire][0, column]) for wire in WIRES]
-        assert counted == counted_in_runs(task, one), [str(task.atoms[i]) for i, *_ in one if i != NONE]
+        counted = [int(outcome.counts[wire][0, column]) for wire in plant.wires]
+        assert counted == counted_in_run(plant, task, one), [str(task.atoms[i]) for i, *_ in one if i != NONE]
 
 
-def fits(task: Task, one: list[tuple[int, int, int]]) -> bool:
+def at_any_times(plant: Plant, rng: random.Random) -> tuple[Task, list[Run]]:
+    """Every kind alone or beside another, at any times."""
+    atoms = [at_random(plant, rng, kind, FROM_START) for kind in plant.kinds]
+    task = task_of(plant, atoms, stimulus(rng, 10))
+    runs: list[Run] = []
+    for i in range(len(atoms)):
+        first, other = rng.choice([0, 0, 3]), rng.choice([NONE, rng.randrange(len(atoms))])
+        runs.append([(i, first, rng.choice([NEVER, first + 3])), (other, 2, rng.choice([NEVER, 4]))])
+    return task, [one for one in runs if fits(task, one)]
+
+
+def fits(task: Task, one: Run) -> bool:
     """Whether these faults can be there at once: not two that join points in opposite directions."""
     try:
         instrument(task.system, [task.atoms[i] for i, *_ in one if i != NONE])
@@ -254,23 +273,57 @@ def fits(task: Task, one: list[tuple[int, int, int]]) -> bool:
     return True
 
 
+@pytest.mark.parametrize("seed", range(3))
+def test_lanes_count_what_a_run_shows(seed: int) -> None:
+    task, runs = at_any_times(WEIGHED, random.Random(seed))
+    check(WEIGHED, LaneEngine(task), task, runs)
+
+
+def test_native_code_counts_what_a_run_shows() -> None:
+    pytest.importorskip("llvmlite", reason="the native engine needs llvmlite")
+    from safety.inject.native import NativeEngine
+
+    task, runs = at_any_times(WORKS, random.Random(4))
+    check(WORKS, NativeEngine(task), task, runs)
+
+
+def test_an_engine_that_takes_another_kind_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A fast clock that takes a step too many is seen in the counts."""
+    rows = stimulus(random.Random(3), 10)
+    task = task_of(WORKS, [Fault(clock_fast(2), ["left"])], rows)
+    other = replace(task, atoms=(Fault(clock_fast(3), ["left"]),))
+    with pytest.raises(AssertionError):
+        check(WORKS, LaneEngine(other), task, [[(0, 0, NEVER)]])
+
+
 def test_a_common_cause_with_a_part_is_no_mask() -> None:
-    """A point and a register of one name: the fault of the point has a mask, that of the register has none."""
     cause = common_cause("both", {"left.sum": stuck(1), "left": power_dip()})
-    rows = stimulus(random.Random(1), 8)
-    task = task_of([cause, Fault(flip(), ["wire"]), Fault(clock_fast(), ["left"]), Fault(frozen(), ["left.sum"])], rows)
-    runs = [[(a, 0, NEVER), (b, 0, NEVER)] for a in range(4) for b in range(4) if a != b]
-    outcome = LaneEngine(task).run(batch_of(runs))
-    for column, one in enumerate(runs):
-        assert [int(outcome.counts[w][0, column]) for w in WIRES] == counted_in_runs(task, one)
+    atoms = [cause, Fault(flip(), ["wire"]), Fault(clock_fast(), ["left"]), Fault(frozen(), ["left.sum"])]
+    task = task_of(WORKS, atoms, stimulus(random.Random(1), 8))
+    check(WORKS, LaneEngine(task), task, [[(a, 0, NEVER), (b, 0, NEVER)] for a in range(4) for b in range(4) if a != b])
+
+
+def test_a_point_and_a_register_of_one_name_are_two_places() -> None:
+    """A mask at the point does not stand for what happens to the register."""
+
+    class Named(Model, event="tick"):
+        """A register behind a point of its name."""
+
+        n: Bit = power_up(False)
+
+        def step(self, w: Bit, x: U2) -> tuple[Named, Bit]:
+            shown = point("n", self.n)
+            return Named(n=~shown), w
+
+    system = trace(Named)
+    cause = common_cause("both", {"n": flip(), "Named": power_dip()})
+    assert masks(system, cause) is None and masks(system, Fault(flip(), ["n"])) is not None
 
 
 def test_a_duty_of_any_kind_leaves_its_other_steps_alone() -> None:
     rows = stimulus(random.Random(2), 12)
     for kind in KINDS:
-        rng = random.Random(str(kind))
-        fault = at_random(rng, kind, FROM_START)
-        built = instrument(WORKS, [replace(fault, kind=intermittent(fault.kind, 1, 12))])
-        now = instrument(WORKS, [replace(fault, onset=TRANSIENT, at=0, ticks=1)])
-        shown = [run(b.system, [row | schedule(b)(k) for k, row in enumerate(rows)]) for b in (built, now)]
-        assert all(shown[0][p] == shown[1][p] for p in (*WORKS.points, *WORKS.state)), kind
+        fault = at_random(WEIGHED, random.Random(str(kind)), kind, FROM_START)
+        duty = replace(fault, kind=intermittent(fault.kind, 1, 12))
+        once = replace(fault, onset=TRANSIENT, at=0, ticks=1)
+        assert seen_in(WEIGHED, [duty], rows) == seen_in(WEIGHED, [once], rows), kind

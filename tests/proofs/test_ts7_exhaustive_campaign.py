@@ -82,7 +82,9 @@ def test_five_single_stuck_bits_defeat_the_brake(singles: Campaign) -> None:
 def test_dangerous_pairs_are_two_silent_channels_or_have_a_dangerous_single() -> None:
     found = stuck_pairs.inject()
     assert found.surprises() == [] and found.exhaustive
-    pairs = [tuple(fault.name for fault in injection.faults) for injection, cell in found.injections() if cell[0] == "w"]
+    pairs = [
+        tuple(fault.name for fault in injection.faults) for injection, cell in found.injections() if cell[0] == "w"
+    ]
     silent = [pair for pair in pairs if not DANGEROUS & {*pair}]
     assert (len(pairs), len(silent)) == (2366 + 2687, 3 * 27**2)
     ways = {n: {name for pair in silent for name in pair if channel_of(name) == n} for n in "abc"}

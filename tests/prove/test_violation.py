@@ -82,9 +82,15 @@ def test_formulas_share_their_registers_and_keep_their_own() -> None:
 
 @pytest.mark.parametrize(
     ("given", "dangerous"),
-    [(lambda s: ~s.test, {"press stuck-at-0", "lit stuck-at-0"}), (lambda s: s.test, set()), (lambda s: ~s.press, set())],
+    [
+        (lambda s: ~s.test, {"press stuck-at-0", "lit stuck-at-0"}),
+        (lambda s: s.test, set()),
+        (lambda s: ~s.press, set()),
+    ],
 )
-def test_after_its_assumption_has_failed_a_claim_says_nothing(given: Callable[[Seen], Bit], dangerous: set[str]) -> None:
+def test_after_its_assumption_has_failed_a_claim_says_nothing(
+    given: Callable[[Seen], Bit], dangerous: set[str]
+) -> None:
     cells = found(button(violation(lights, given)))
     assert {name for name, cell in cells.items() if cell == "wrong/no"} == dangerous
 

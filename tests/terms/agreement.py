@@ -113,10 +113,9 @@ def native(target: Target) -> Reading:
 def fits_64_bits(output: Term) -> bool:
     """Whether all that a term is made of is a bit or a number of 64 bits."""
     sorts = {t.sort for t in postorder([output]) if t.sort.kind != "bit"}
-    return all(
-        s.kind != "real" and (0 <= s.bounds[0] <= s.bounds[1] < 2**64 or -(2**63) <= s.bounds[0] and s.bounds[1] < 2**63)
-        for s in sorts
-    )
+    if any(s.kind == "real" for s in sorts):
+        return False
+    return all(high < 2 ** (64 if low >= 0 else 63) and low >= -(2**63) for low, high in (s.bounds for s in sorts))
 
 
 def targets() -> dict[str, Target]:

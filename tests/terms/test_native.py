@@ -63,7 +63,7 @@ def test_a_variable_that_is_not_bound_is_refused() -> None:
         compile_native([variable("x", uint(8))], [variable("y", uint(8))])
 
 
-# --- wrong instructions ------------------------------------------------------------------------------------------------
+# --- wrong instructions ----------------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)

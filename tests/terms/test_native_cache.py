@@ -102,9 +102,7 @@ def test_a_file_in_the_folder_s_place_costs_time_only(compiled: list[str], tmp_p
     assert (result(), result(), len(compiled)) == (7, 7, 2)
 
 
-def test_a_full_disk_costs_time_only(
-    compiled: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_full_disk_costs_time_only(compiled: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def full(self: Path, data: bytes) -> int:
         raise OSError(28, "No space left on device")
 
@@ -112,9 +110,7 @@ def test_a_full_disk_costs_time_only(
     assert (result(), result(), len(compiled), kept(tmp_path)) == (7, 7, 2, [])
 
 
-def test_the_oldest_entries_give_way(
-    compiled: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_oldest_entries_give_way(compiled: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(llvm, "MOST_KEPT", 2)
     for number in (1, 2, 3):
         result(number)

@@ -17,14 +17,15 @@ MOST_COUNTED = 2**15 - 1  # in 16 bits
 
 # What the driver is given, each 8 bytes: an address, or a number.
 PARAMETERS = (
-    "groups", "going_on", "start", "stop", "wide", "atoms", "first", "end", "column", "entry", "entries", "rows", "prune",
-    "before", "after", "apart", "state", "other", "seen", "taps", "passing", "sums", "ever", "counts", "came", "columns", "blocks",
+    "groups", "going_on", "start", "stop", "prune", "wide", "atoms", "first", "end", "column", "entry", "entries", "rows",
+    "before", "after", "apart", "state", "other", "seen", "taps", "passing", "sums", "ever",
+    "counts", "came", "columns", "blocks",
 )  # fmt: skip
 NUMBERS = {"groups", "going_on", "start", "stop", "wide", "prune", "columns", "blocks"}
-# going_on: so many groups, the first, begin at step `start` with the lanes of `before`; all end before step `stop`, where
-# `after` takes their lanes, and `apart` of each group those that are not as the fault-free run, a number of 8 bytes;
-# wide: faults a run has at most; atoms, first, end: (wide, groups x lanes) of int32; column: of each lane, the last where
-# it has none; entry: where each atom's entries begin, and the last's end; passing: what `taps` is without faults;
+# going_on: so many groups, the first, begin at step `start` with the lanes of `before`; all end before step `stop`,
+# where `after` takes their lanes, and `apart` those of each group that are not as the fault-free run, in 8 bytes;
+# wide: faults a run has at most; atoms, first, end: (wide, groups x lanes) of int32; column: of each lane, the last
+# where it has none; entry: where each atom's entries begin, and the last's end; passing: `taps` without faults;
 # counts: (wires, blocks, columns) of int32 and came: (watched, columns), both to be added to.
 
 ENTRY = ("keep", "turn", "keep_at", "turn_at", "size")  # an atom at a point, 8 bytes each; masks and where they go

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-from safety.faults import where
+from safety.faults import is_wide, where
 from safety.inject.engine import NEVER, NONE, Batch, Outcome, Task
 from safety.inject.masks import masks
 from safety.inject.native import sweep
@@ -42,7 +42,11 @@ class NativeEngine:
         self._points = tuple(dict.fromkeys(point for found in self._masks for point in found or ()))
         self._programs: dict[tuple[tuple[Slot, ...], bool], Program] = {}
         self._masked = Program(
-            task, tapped(task.system, self._points), [found or {} for found in self._masks], lambda: self._stimulus, self.target
+            task,
+            tapped(task.system, self._points),
+            [found or {} for found in self._masks],
+            lambda: self._stimulus,
+            self.target,
         )
 
     @cached_property
@@ -92,7 +96,7 @@ class NativeEngine:
                 first[name][columns] = seen.first[name]
         return Outcome(counts, first)
 
-    def _parts(self, batch: Batch, special: Array) -> Iterator[tuple[Program, Array, Array]]:
+    def _parts(self, batch: Batch, special: Any) -> Iterator[tuple[Program, Array, Array]]:
         """Programs with the columns that run on them, and the atoms of these columns as the program numbers them."""
         import numpy as np
 
@@ -103,7 +107,7 @@ class NativeEngine:
         kinds, which = np.unique(batch.atoms[:, columns], axis=1, return_inverse=True)
         which = which.ravel()
         slots = [self._slots(atoms) for atoms in kinds.T.tolist()]
-        for chosen, built in _divided(slots):
+        for chosen, built in _divided(slots, self._wide):
             carries = any(len(slots[kind]) < (kinds[:, kind] != NONE).sum() for kind in chosen)
             program = self._program(tuple(built), carries)
             number = {slot: len(self.task.atoms) + i for i, slot in enumerate(built)}
@@ -121,6 +125,11 @@ class NativeEngine:
         """The points or registers of each atom."""
         return [frozenset(where(self.task.system, atom)) for atom in self.task.atoms]
 
+    @cached_property
+    def _wide(self) -> list[bool]:
+        """Which atoms join points or act on parts: those of different runs are not built in together."""
+        return [is_wide(self.task.system, atom) for atom in self.task.atoms]
+
     def _slots(self, atoms: Sequence[int]) -> list[Slot]:
         """Which faults of a run are built in: those without a mask, and what shares their points.
 
@@ -131,7 +140,7 @@ class NativeEngine:
         return [slot for slot in there if self._where[slot[1]] & taken]
 
     def _program(self, slots: tuple[Slot, ...], carries: bool) -> Program:
-        """The program with these faults built in, in the order of their rows; with masks too where it `carries` some."""
+        """The program with these faults built in, in the order of their rows; with masks too where it `carries` any."""
         if (slots, carries) not in self._programs:
             faults = [self.task.atoms[atom] for _, atom in slots]
             system = tapped(self.task.system, self._points if carries else (), faults)
@@ -140,12 +149,14 @@ class NativeEngine:
         return self._programs[slots, carries]
 
 
-def _divided(slots: Sequence[list[Slot]]) -> Iterator[tuple[list[int], list[Slot]]]:
+def _divided(slots: Sequence[list[Slot]], wide: Sequence[bool]) -> Iterator[tuple[list[int], list[Slot]]]:
     """Which runs go together, so that few faults have to be built in for them, and which these are."""
     chosen: list[int] = []
     built: set[Slot] = set()
     for i, more in enumerate(slots):
-        if chosen and len(built | set(more)) > MOST_BUILT_IN:
+        alone, there = ({slot for slot in some if wide[slot[1]]} for some in (more, built))
+        apart = bool(alone and there and alone != there)
+        if chosen and (apart or len(built | set(more)) > MOST_BUILT_IN):
             yield chosen, sorted(built)
             chosen, built = [], set()
         chosen.append(i)

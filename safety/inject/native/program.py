@@ -49,7 +49,12 @@ class Program:
     """
 
     def __init__(
-        self, task: Task, system: Tapped, acts: Sequence[Act], stimulus: Callable[[], Mapping[str, Array]], target: Target
+        self,
+        task: Task,
+        system: Tapped,
+        acts: Sequence[Act],
+        stimulus: Callable[[], Mapping[str, Array]],
+        target: Target,
     ) -> None:
         wires = tuple(dict.fromkeys((*task.watch, *task.count)))
         counted = [wires.index(name) for name in task.count]
@@ -151,10 +156,13 @@ class Program:
         block, taps = (aligned(kernel.state.size) for _ in range(2)), aligned(kernel.taps.size)
         taps[:] = self._passing
         wires, (entry, entries) = len(kernel.wires), self._entries
-        given = {
+        given: dict[str, Any] = {
             **{"groups": groups, "going_on": len(taken) // lanes, "start": start, "stop": stop, "prune": prune},
             **{"wide": len(runs.atoms), "column": np.where(known, column, runs.runs).astype(np.int32)},
-            **{n: _chosen(getattr(runs, n), column, none) for n, none in (("atoms", NONE), ("first", NEVER), ("end", NEVER))},
+            **{
+                n: _chosen(getattr(runs, n), column, none)
+                for n, none in (("atoms", NONE), ("first", NEVER), ("end", NEVER))
+            },
             **{"entry": entry, "entries": entries, "rows": self.rows, "taps": taps, "passing": self._passing},
             **{"before": taken, "after": records if keep else 0, "apart": apart},
             **dict(zip(("state", "other"), block, strict=True)),

@@ -50,10 +50,11 @@ class Ledger:
         self.path = folder / FILE
 
     @contextlib.contextmanager
-    def _open(self) -> Iterator[sqlite3.Connection]:
+    def _open(self, synchronous: str = "OFF") -> Iterator[sqlite3.Connection]:
+        """Entries are not waited for: a power cut may cost some, or the file; the shards have them all."""
         with contextlib.closing(sqlite3.connect(self.path, timeout=PATIENCE_S)) as base, base:
             base.execute("PRAGMA journal_mode = WAL")
-            base.execute("PRAGMA synchronous = NORMAL")  # a power cut may cost the last entries: the shards have them
+            base.execute(f"PRAGMA synchronous = {synchronous}")
             base.executescript(SCHEMA)
             yield base
 
@@ -105,7 +106,7 @@ class Ledger:
     def keep(self, key: str, kind: str, document: Any) -> None:
         """Keep plain data with a campaign: `kind` is a word such as "fmeda" or "baseline"."""
         made = datetime.now(UTC).isoformat(timespec="seconds")
-        with self._open() as base:
+        with self._open("FULL") as base:
             base.execute("INSERT INTO documents VALUES (?, ?, ?, ?)", (key, kind, made, json.dumps(document)))
 
     def kept(self, key: str, kind: str) -> list[tuple[str, Any]]:

@@ -261,7 +261,7 @@ def _all(lanes: int, columns: Iterable[Lanes]) -> Lanes:
     """Where all columns are true: sampled states seldom satisfy lemmas about registers far away."""
     import numpy as np
 
-    return np.logical_and.reduce([np.ones(lanes, dtype=np.bool_), *columns])
+    return cast("Lanes", np.logical_and.reduce([np.ones(lanes, dtype=np.bool_), *columns]))
 
 
 def _is_flag(literal: Bit) -> bool:
