@@ -96,7 +96,7 @@ def without_result(item: Item, error: Exception | str) -> Entry:
         case "campaigns":
             classes = dict.fromkeys(("safe", "detected", "dangerous_undetected", "no_effect"), 0)
             base |= {"injections": 0, "exhaustive": False, "classes": classes, "note": text}
-            said = {}
+            said = {"disagreed_by": [text]} if code == 6 else {}
         case "trees":
             base |= {"probability": None, "probability_low": 0.0, "probability_high": None, "note": text}
             said = {}

@@ -27,7 +27,7 @@ def aim(entry: Entry, target: Fraction) -> None:
         told = f"{words}{least} {number(float(low))}, target {number(float(target))} {'met' if met else 'missed'}"
     entry["target_coverage"] = {"target": str(target), "met": met, "told": told}
     if not met:
-        _add(entry, told, [told])
+        fail(entry, told, [told])
 
 
 def against(entry: Entry, found: Comparison, file: str) -> None:
@@ -37,10 +37,11 @@ def against(entry: Entry, found: Comparison, file: str) -> None:
     told = [*lines[:TOLD], *([f"and {len(lines) - TOLD + found.left_out} more"] if len(lines) > TOLD else [])]
     entry["baseline"] = {"file": file, **found.to_json(), "told": told, "better": _better(found)}
     if found.worse:
-        _add(entry, f"{counts} against {file}", told)
+        fail(entry, f"{counts} against {file}", told)
 
 
-def _add(entry: Entry, note: str, told: Sequence[str]) -> None:
+def fail(entry: Entry, note: str, told: Sequence[str]) -> None:
+    """Let an entry fail for reasons that are told, shortly in its note."""
     entry["surprises"] = [*entry.get("surprises", ()), *told]
     entry["note"] = "; ".join(filter(None, [note, entry.get("note", "")]))
     entry["as_expected"] = False

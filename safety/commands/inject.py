@@ -15,7 +15,7 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
-from safety.commands import options
+from safety.commands import CommandError, options
 from safety.commands.output import data, write
 from safety.commands.session import Session, work
 from safety.commands.table import table
@@ -110,18 +110,21 @@ def _number(text: str) -> int:
 
 
 def _write(args: Namespace, session: Session) -> None:
-    """Write the files that are asked for, and say which a campaign wrote itself."""
-    results = session.results
+    """Write the files that are asked for, and say which a campaign wrote itself.
+
+    Raises `CommandError` for what cannot be written, when all the others are.
+    """
+    results, texts = session.results, {}
     if args.sarif:
         from safety.report.sarif import sarif
 
-        write(Path(args.sarif), sarif(results))
+        texts[args.sarif] = sarif(results)
     if args.junit:
         from safety.report.junit import junit
 
-        write(Path(args.junit), junit(results, timings=True))
+        texts[args.junit] = junit(results, timings=True)
     if args.write_baseline:
-        _write_baseline(session, Path(args.write_baseline))
+        texts |= _baseline(session, args.write_baseline)
     if args.csv or args.xlsx:
         from safety.commands.injecting import Wishes
 
@@ -129,20 +132,28 @@ def _write(args: Namespace, session: Session) -> None:
         files = [Wishes(**args.injecting).file(kind, name) for kind in ("csv", "xlsx") for name in modes]
         told = ", ".join(str(file) for file in files if file) or "none: these campaigns are not of single faults"
         print(f"failure modes: {told}", file=sys.stderr)
+    failed = []
+    for file, text in texts.items():
+        try:
+            write(Path(file), text)
+        except OSError as error:
+            failed.append(f"{file} cannot be written: {error.strerror}")
+    if failed:
+        raise CommandError(f"{'; '.join(failed)}; the results are kept, and with --store nothing is injected again")
 
 
-def _write_baseline(session: Session, file: Path) -> None:
-    """Write the records of what ran; of a part, those of the other campaigns stay."""
+def _baseline(session: Session, file: str) -> dict[str, str]:
+    """The text of the baseline: the records of what ran; of a part, those of the other campaigns stay."""
     from safety.commands.injecting import records
     from safety.inject.baseline_file import dumps
 
     without = [item.id for item in session.chosen if item.id not in session.records]
     if without or session.project.problems:
         print(f"{file} is not written: {', '.join(without) or 'a file of the project'} has no result", file=sys.stderr)
-        return
-    others = records(str(file)) if session.part and file.exists() else {}
-    write(file, dumps({**others, **session.records}))
+        return {}
+    others = records(file) if session.part and Path(file).exists() else {}
     print(f"baseline of {len(session.records)} campaigns: {file}", file=sys.stderr)
+    return {file: dumps({**others, **session.records})}
 
 
 def _rows(entry: Entry) -> list[list[str]]:

@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 from safety.commands import CommandError
 from safety.commands.evaluate import Note, fitting
-from safety.commands.gate import against, aim
+from safety.commands.gate import against, aim, fail
+from safety.inject.engine import NATIVE
 from safety.project import Project, Value
 from safety.report.numbers import number
 
@@ -57,7 +58,7 @@ Run = Callable[["Campaign", Note], "tuple[Result, Sequence[str]]"]
 
 
 def prepare(campaign: Campaign, wishes: Wishes, settings: Mapping[str, Value]) -> None:
-    """Change a campaign as asked.  Raises `CommandError` when the engine asked for is not there."""
+    """Give a campaign its settings, and change it as asked."""
     if isinstance(campaign.model, type):
         campaign.settings = {**campaign.settings, **fitting(campaign.model, settings)}
     for name, value in wishes.changes.items():
@@ -65,10 +66,15 @@ def prepare(campaign: Campaign, wishes: Wishes, settings: Mapping[str, Value]) -
 
 
 def injected(campaign: Campaign, wishes: Wishes, project: Project, note: Note, run: Run | None = None) -> Entry:
-    """The entry of a campaign that is prepared; `run` gives its result, by default in this process."""
+    """The entry of a campaign that is prepared; `run` gives its result, by default in this process.
+
+    Raises `CommandError` when the engine that is asked for is not there.
+    """
     try:
         result, problems = (run or here)(campaign, note)
     except ImportError as missing:
+        if campaign.engine != NATIVE:
+            raise
         raise CommandError(f"{campaign.id}: engine {campaign.engine}: {missing}; give --engine lanes") from None
     entry = result.to_json()
     entry["declared"] = declared(campaign, project.root)
@@ -78,23 +84,23 @@ def injected(campaign: Campaign, wishes: Wishes, project: Project, note: Note, r
         entry["closure"] = {"faults": compared(campaign, result, project.claims, project.hazards)}
     if wishes.shard and result.interrupted:
         _as_a_part(entry, wishes.shard, len(campaign.space))
-    entry["surprises"] += problems
-    entry["as_expected"] = not entry["surprises"]
+    for problem in problems:
+        fail(entry, problem, [problem])
     target = wishes.targets.get(campaign.id, wishes.targets.get(EVERY, campaign.target_coverage))
     if target is not None and not result.interrupted:
         aim(entry, Fraction(target))
     if (wishes.baseline or wishes.record) and not result.interrupted:
         _hold_against(entry, result, wishes)
-    _write_modes(result, wishes)
+    _write_modes(entry, result, wishes)
     if wishes.shrink:
-        entry["reproducers"] = list(_reproducers(campaign, entry, wishes.shrink, note))
+        _shrink(campaign, entry, wishes.shrink, note)
     return entry
 
 
 def _as_a_part(entry: Entry, shard: str, of: int) -> None:
     """An entry of the shards of one of several machines: nothing else was asked for, so nothing is missing."""
     note = f"part {shard}: {entry['injections']} of {of} injections are kept"
-    entry |= {"part": shard, "surprises": [], "expect": {"exhaustive": False}, "note": note}
+    entry |= {"part": shard, "surprises": [], "as_expected": True, "expect": {"exhaustive": False}, "note": note}
 
 
 def here(campaign: Campaign, note: Note) -> tuple[Result, Sequence[str]]:
@@ -120,16 +126,22 @@ def declared(campaign: Campaign, root: Path) -> dict[str, Any] | None:
     return {"file": path.relative_to(root).as_posix(), "line": line} if path.is_relative_to(root) else None
 
 
-def _write_modes(result: Result, wishes: Wishes) -> None:
+def _write_modes(entry: Entry, result: Result, wishes: Wishes) -> None:
     """The tables of failure modes; campaigns of pairs have none."""
+    if not (wishes.csv or wishes.xlsx):
+        return
     from safety.inject import write_csv
     from safety.inject.workbook import write_xlsx
 
     csv, xlsx = (wishes.file(kind, result.campaign.id) for kind in ("csv", "xlsx"))
-    if csv and result.rows:
-        write_csv(result.rows, csv)
-    if xlsx and result.rows:
-        write_xlsx(result, xlsx)
+    try:
+        if csv and result.rows:
+            write_csv(result.rows, csv)
+        if xlsx and result.rows:
+            write_xlsx(result, xlsx)
+    except OSError as error:
+        told = f"failure modes cannot be written: {error.filename or csv or xlsx}: {error.strerror}"
+        fail(entry, told, [told])
 
 
 def _hold_against(entry: Entry, result: Result, wishes: Wishes) -> None:
@@ -156,15 +168,17 @@ def records(file: str) -> dict[str, dict[str, Any]]:
         raise CommandError(f"{file}: byte {bad.start}: no UTF-8 text; a baseline is JSON") from None
 
 
-def _reproducers(campaign: Campaign, entry: Entry, most: int, note: Note) -> Sequence[dict[str, Any]]:
+def _shrink(campaign: Campaign, entry: Entry, most: int, note: Note) -> None:
     """Minimal reproducers of the first dangerous undetected injections; those that a baseline has not come first."""
-    from safety.inject.reproduce import read, reproducer
+    from safety.inject.reproduce import Unconfirmed, read, reproducer
 
     new = (entry.get("baseline") or {}).get("new", {})
     ids = [line.partition("::")[2] for line in entry["replay"]]
     chosen = sorted(ids, key=lambda one: one not in new)[:most]
-    found = []
+    entry["reproducers"] = []
     for count, one in enumerate(chosen, start=1):
         note(f"shrinking {count} of {len(chosen)}")
-        found.append(reproducer(campaign, read(campaign, one)).to_json())
-    return found
+        try:
+            entry["reproducers"].append(reproducer(campaign, read(campaign, one)).to_json())
+        except Unconfirmed as denied:
+            entry.setdefault("disagreed_by", []).append(str(denied))

@@ -76,7 +76,7 @@ def instrument(system: System, faults: Sequence[Fault], *, present: bool | None 
     changed = work.with_points_seen()
     for i, fault, place in each:
         if place.kind.place == PART:
-            seat = Seat(f"{present_name(i)}.part of {place.names[0]}", active[i])
+            seat = Seat(f"{present_name(i)}.part.{place.names[0]}", active[i])
             changed = work.at_registers(changed, fault, place, seat)
     whole = replace(changed, states=(*changed.states, *work.states), inputs={**changed.inputs, **work.inputs})
     where = tuple(names_of(found) for found in places)

@@ -30,6 +30,7 @@ if TYPE_CHECKING:
 
 READ = 200  # injections that a record names for who reads it
 NAMED = 1000  # injections that a comparison names
+SEARCHED = 2**20  # injections among which one of a fault is looked for
 SETS = ("dangerous_undetected", "detected")
 
 
@@ -108,7 +109,7 @@ class Findings:
 
         space = self.campaign.space
         place = [identify(single) for single in space.singles].index(fault)
-        for some in (numbers, np.arange(len(space))):
+        for some in (numbers, np.arange(min(len(space), SEARCHED))):
             members = space.members(some if space.chosen is None else space.chosen[some])
             own = some[(members == place).any(axis=0)]
             if len(own):
@@ -122,16 +123,8 @@ def identity(campaign: Campaign) -> dict[str, Any]:
     onsets = None if space.onsets is None else [space.onsets.start, space.onsets.stop, space.onsets.step]
     drawn = None if space.chosen is None else _digest(space.chosen)
     seed = campaign.seed if campaign.vary else None
-    told = [
-        [identify(fault) for fault in space.singles],
-        space.order,
-        onsets,
-        space.length,
-        space.scenarios,
-        drawn,
-        seed,
-    ]
-    text = json.dumps([*told, *astuple(campaign.timing)])
+    told = [[identify(fault) for fault in space.singles], space.order, onsets, space.length, space.scenarios]
+    text = json.dumps([*told, drawn, seed, *astuple(campaign.timing)])
     return {
         "model": model_name(campaign),
         "faults": space.statement,

@@ -1,14 +1,14 @@
 """Faults that come to the same by construction: one of each class is run, and counts for all of them.
 
-1. The same masks at the same points at the same time are one fault, whatever else is broken.
+1. The same masks at the same points at the same time are one fault.
 2. What nothing that is looked at depends on, now or later, may read anything.
 3. A fault at a place that one other place alone reads is one at that place, where its mask can be told there: an
    inverter, the controlling value of a gate, a bit out of a word, a point of another name (fault collapsing of
    McCluskey and Clegg, IEEE Trans. Computers C-20 (1971), here on words, and at each step of a fault's time).
 4. A fault on a constant is what it makes of the constant; one that keeps it changes nothing.
 
-Rules 3 and 4 hold whatever the values elsewhere are, so also beside other faults, unless one of these acts on the way
-(3) or on what makes the constant (4): that is the zone of a fault.
+All hold whatever the values elsewhere are, so also beside other faults, unless one of these acts at the same points, on
+the way (3) or on what makes the constant (4): that is the zone of a fault.
 """
 
 from __future__ import annotations
@@ -38,11 +38,10 @@ if TYPE_CHECKING:
 class Collapse:
     """Which single fault is run for each: itself, an earlier one, or `NONE` where it cannot show.
 
-    `always`: by rules 1 and 2; `leaders`: by all, of a fault in whose zone no other acts; `apart[f, g]`: fault g does
-    not act in the zone of f, nor in that of its leader.  `idle`: the faults that leave the equipment as it is.
+    That holds where no other fault acts in its zone; `apart[f, g]`: fault g acts neither in the zone of f, nor in that
+    of its leader.  `idle`: the faults that leave the equipment as it is.
     """
 
-    always: Leaders
     leaders: Leaders
     apart: Table
     idle: Table
@@ -56,13 +55,13 @@ class Collapse:
         """What is run for combinations of faults, of shape (order, combinations): the same shape, ascending."""
         import numpy as np
 
-        found = self.always[members]
+        found = members.copy()
         for row in range(len(found)):
             own, free = found[row], found[row] != NONE
             for other in (o for k, o in enumerate(found) if k != row):
                 free = free & ((other == NONE) | self.apart[own, other])
             found[row] = np.where(free, self.leaders[own], own)
-        return np.sort(found, axis=0)  # those in each other's zones keep their order: they stayed as they were
+        return np.sort(found, axis=0)  # faults at one point act in their order: they stayed as they were
 
     def to_json(self) -> dict[str, int]:
         """How many single faults there are, are run, and cannot show."""
@@ -87,15 +86,13 @@ def collapse(system: System, faults: Sequence[Fault], looked_at: Iterable[str]) 
     others = [name for m, names in zip(found, places, strict=True) if m is None for name in names]
     graph = Graph.of(system, looked_at, others)
     ends = [None if m is None else graph.end(m) for m in found]
-    shown = [None if m is None else {p: mask for p, mask in m.items() if p in graph.places} for m in found]
-    always = _leaders(faults, shown)
     leaders = _leaders(faults, [None if end is None else end.seen for end in ends])
     zones = [names if end is None else names | end.zone for names, end in zip(places, ends, strict=True)]
     both = [zone if led == NONE else zone | zones[led] for zone, led in zip(zones, leaders, strict=True)]
     names = sorted({name for names in places for name in names})
     acts, zone = (np.array([[n in s for n in names] for s in sets], dtype=np.float32) for sets in (places, both))
     idle = [m is not None and changes_nothing(system, m) for m in found]
-    return Collapse(np.array(always), np.array(leaders), zone @ acts.T == 0, np.array(idle, dtype=np.bool_))
+    return Collapse(np.array(leaders), zone @ acts.T == 0, np.array(idle, dtype=np.bool_))
 
 
 def _leaders(faults: Sequence[Fault], seen: Sequence[Mapping[Any, Mask] | None]) -> list[int]:

@@ -48,8 +48,10 @@ class Seat:
         return var
 
     def then(self, register: Term, value: Term) -> None:
-        """The register's next value."""
-        position = next(i for i, s in enumerate(self.states) if s.var is register)
+        """The register's next value.  Raises `ModelError` for one that this seat has not."""
+        position = next((i for i, s in enumerate(self.states) if s.var is register), None)
+        if position is None:
+            raise ModelError(f"{self.name} has no register {register!r}; ask for it with seat.register(...) first")
         self.states[position] = State(register, value, self.states[position].power_up)
 
     def free(self, label: str, sort: Sort, draw: Draw | None = None) -> Term:
@@ -120,6 +122,11 @@ class Kind:
     at_once: tuple[int, int | None] = (2, None)
     unit: str = ""
     reference: str = ""
+
+    def __post_init__(self) -> None:
+        ways = (self.effect is not _nowhere, self.joint, self.update, self.members)
+        if sum(map(bool, ways)) != 1:
+            raise ModelError(f"kind {self.name!r}: give it one of effect, joint, update and members")
 
     @property
     def place(self) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import cast
 
-from safety.kinds.kind import Kind, Part, Seat, choose, resting, whole
+from safety.kinds.kind import POINT, Kind, Part, Seat, choose, resting, whole
 from safety.system import ANY, ModelError
 from safety.terms import Bit, UInt, select
 from safety.terms.graph import Term, uint
@@ -107,7 +107,7 @@ def intermittent(kind: Kind, acts: int, of: int) -> Kind:
         kind,
         name=f"{kind} in {acts} of {of} steps",
         meaning=f"{kind.meaning}, in {acts} of every {of} steps",
-        effect=effect,
+        effect=effect if kind.place == POINT else kind.effect,
         joint=joint if kind.joint else None,
         update=update if kind.update else None,
         members=tuple((point, intermittent(member, acts, of)) for point, member in kind.members),

@@ -99,15 +99,15 @@ class _Examination:
         self._equivalent()
         for case in proved:
             self._prove(case)
-        self._equivalent_for_claims(self._of_the_step(), found=False)
+        self._equivalent_for_claims(self._of_the_step() - self.lost.keys(), found=False)
         self._search_for_lost()
         self._drive(doubtful=True)
+        self._equivalent_at_power_up()
+        self._equivalent_for_claims(self._of_the_step(), found=True)
         for case in proved:
             self._witness(case)
         for number in sorted(self.left & (self.lost.keys() | self.open.keys())):
             self._decide(number)
-        self._equivalent_at_power_up()
-        self._equivalent_for_claims(self._of_the_step(), found=True)
         for case in sorted(self.subject.refuted, key=_length):
             self._twin(case)
         for number in sorted(self.lost.keys() & self.left):
@@ -199,9 +199,9 @@ class _Examination:
         seconds = DECIDED * self.timeout
         problem = replace(self._single(case, number), lemmas={})
         plain = replace(problem.claim, witness=None, scenario=None, expect=PROVED)
-        return decide(
-            replace(problem, claim=plain), Limits(seconds, synthesis=seconds, simulation=seconds, portfolio=seconds)
-        )
+        engines = 0 if case.proved else seconds  # what induction proves of the model is no riddle for its mutant
+        limits = Limits(seconds, synthesis=seconds, simulation=seconds / 2, portfolio=engines)
+        return decide(replace(problem, claim=plain), limits)
 
     def _decide(self, number: int) -> None:
         """Whether the claims whose proofs are lost, or were not there, are true of the mutant."""
@@ -277,7 +277,7 @@ class _Examination:
         Without faults it is so in all runs, or else the mutant might show in runs that none of the claims is about.
         With `found`, registers that were found to exclude one another do so too.
         """
-        timeout, kept = self.timeout, numbers - self.lost.keys()
+        timeout, kept = self.timeout, numbers
         if not kept:
             return
         healthy = self.subject.healthy(kept)

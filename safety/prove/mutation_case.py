@@ -10,10 +10,10 @@ from typing import cast
 from safety.faults import Faulted
 from safety.prove.claims import PROVED, REFUTED, Claim, Seen
 from safety.prove.engines.engine import in_integers, uses_reals
-from safety.prove.mutation import Mutant, Mutants, mutants_of
+from safety.prove.mutation import SELECTOR, Mutant, Mutants, mutants_of
 from safety.prove.mutation_drive import Drive
 from safety.prove.mutation_questions import cone, still_proved, with_open_power_up
-from safety.prove.mutation_runs import Course, broken, courses, only, single
+from safety.prove.mutation_runs import Course, Replay, courses, only, single
 from safety.prove.outcome import Limits
 from safety.prove.problem import Problem, build_problem
 from safety.prove.prove import decide
@@ -22,6 +22,7 @@ from safety.prove.solve import Disagreement
 from safety.prove.synthesis.synthesise import synthesise
 from safety.terms import Bit, all_of, bit
 
+AT_HAND = 32  # steps: a shorter run is replayed with all mutants at hand, a longer one on the mutant by itself
 SYNTHESIS = 30.0  # seconds for finding the lemmas of a claim
 
 
@@ -147,6 +148,8 @@ class Panel:
     @property
     def names(self) -> list[str]:
         """The signal of each claim."""
+        if self.cases[0].claim.refinement is not None:
+            return ["claim.holds"]
         return [f"claim.{case.claim.id}" for case in self.cases]
 
     @cached_property
@@ -154,13 +157,21 @@ class Panel:
         """Runs for it, beginning with those that its claims are known by."""
         return Drive(self.problem, [(list(c.as_written.system.inputs), k) for c in self.cases for k in c.courses])
 
+    @cached_property
+    def replay(self) -> Replay:
+        """The Python reading of all mutants."""
+        return Replay(self.problem, self.names)
+
     def broken_by(self, mutant: Mutant, course: Course, step: int) -> Case:
         """The claim that a mutant breaks at a step of a course, on the Python reading; `Disagreement` without."""
-        names = self.names if self.cases[0].claim.refinement is None else ["claim.holds"]
-        found = broken(single(self.problem, mutant), course, step, names)
+        if step < AT_HAND and mutant.power_up is None:
+            chosen = replace(course, start=course.start | {SELECTOR: mutant.number})
+            found = self.replay.broken(chosen, step)
+        else:
+            found = Replay(single(self.problem, mutant), self.names).broken(course, step)
         if not found:
             raise Disagreement(f"lanes and the Python reading differ on {mutant} at step {step}")
-        return self.cases[names.index(found[0])]
+        return self.cases[self.names.index(found[0])]
 
 
 def panels(cases: Sequence[Case]) -> list[Panel]:

@@ -200,24 +200,30 @@ class Lanes:
                     seen[self.mutants[lane].number].differs = k, name
 
 
-def broken(problem: Problem, known: Course, step: int, claims: Sequence[str]) -> list[str]:
-    """Which of the signals `claims` a single mutant makes false at a step of a course, on the Python reading.
+class Replay:
+    """A problem's Python reading, and the signals of some claims in it."""
 
-    None of them where the problem was broken before, or what is given was not kept.
-    """
-    whole = observed(problem)
-    stepper = Stepper.of(whole, ["claim.holds", "claim.given", *claims])
-    at = {path: len(whole.states) + i for i, path in enumerate(stepper.observed)}
-    state, _ = initial_state(whole, known.start)
-    for k, row in enumerate(known.rows[: step + 1]):
-        result = stepper.function(*state, *row)
-        if result[at["claim.holds"]] is (k == step) or not result[at["claim.given"]]:
-            return []
-        state = result[: len(whole.states)]
-    return [name for name in claims if not result[at[name]]]
+    def __init__(self, problem: Problem, claims: Sequence[str]) -> None:
+        self.whole, self.claims = observed(problem), claims
+        self.stepper = Stepper.of(self.whole, ["claim.holds", "claim.given", *claims])
+        self.at = {path: len(self.whole.states) + i for i, path in enumerate(self.stepper.observed)}
+
+    def broken(self, known: Course, step: int) -> list[str]:
+        """The claims that are false at a step of a course.
+
+        None of them where the problem was broken before, or what is given was not kept.
+        """
+        at = self.at
+        state, _ = initial_state(self.whole, known.start)
+        for k, row in enumerate(known.rows[: step + 1]):
+            result = self.stepper.function(*state, *row)
+            if result[at["claim.holds"]] is (k == step) or not result[at["claim.given"]]:
+                return []
+            state = result[: len(self.whole.states)]
+        return [name for name in self.claims if not result[at[name]]]
 
 
 def confirmed(problem: Problem, known: Course, step: int) -> None:
     """Replay a course on a single mutant; `Disagreement` unless it breaks the claim there."""
-    if not broken(problem, known, step, ["claim.holds"]):
+    if not Replay(problem, ["claim.holds"]).broken(known, step):
         raise Disagreement(f"{problem.claim.id}: lanes and the Python reading differ on a mutant at step {step}")

@@ -70,6 +70,8 @@ def standing(section: str, entry: Entry) -> Standing:
         return Standing(INTERNAL, f"internal error: {entry['error']}")
     if section == "claims":
         return _claim(entry)
+    if section == "campaigns" and entry.get("disagreed_by"):
+        return Standing(DISAGREE, f"engines disagree: {'; '.join(entry['disagreed_by'])}")
     if entry.get("as_expected") is False and not (entry.get("closure") or {}).get("contradictions"):
         return Standing(FAILED, entry.get("note") or "not as expected")
     return {"campaigns": _campaign, "trees": _tree, "rates": _target}.get(section, _figure)(entry)

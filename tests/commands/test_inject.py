@@ -1,4 +1,4 @@
-"""`inject` as a gate: what is worse than a baseline or below a target fails, by name; what cannot be used is refused."""
+"""`inject` as a gate: what is worse than a baseline or below a target fails by name, what cannot be used is refused."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from xml.etree import ElementTree as ET
 import pytest
 
 from safety.commands.injecting import pace
+from safety.inject.reproduce import Unconfirmed
 from tests.commands.conftest import Called, Run, document, put
 
 HERE = ("--store", "st", "--executor", "serial")  # in this process
@@ -127,6 +128,20 @@ def test_a_part_leaves_the_records_of_the_others(run: Run, baseline: Path) -> No
     put(baseline.parent, "proofs/other_campaign.py", text.replace("counter_stuck", "other"))
     assert run("inject", "-k", "other", "--write-baseline", "b.json", *HERE).code == 0
     assert list(document(baseline)["campaigns"]) == ["counter_stuck", "other"]
+
+
+def test_a_reproducer_that_python_denies_is_a_disagreement(
+    run: Run, whole: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def denied(*_: object) -> None:
+        raise Unconfirmed("alarm.out is wrong/no on the native engine, safe/no on the Python reading")
+
+    monkeypatch.setattr("safety.inject.reproduce.reproducer", denied)
+    called = run("inject", "--shrink", "1", "--json", "out.json", *HERE)
+    assert called.code == 6, called.err
+    assert "engines disagree: alarm.out is wrong/no on the native engine" in called.err
+    (entry,) = document(whole / "out.json")["campaigns"]
+    assert entry["injections"] == 4
 
 
 # --- targets ---------------------------------------------------------------------------------------------------------
@@ -276,3 +291,29 @@ def called_examples(run: Run, whole: Path) -> list[Called]:
 
     words = [shlex.split(line.partition("  ")[0])[1:] for line in EXAMPLES.strip().splitlines()]
     return [run(*each, "--project", "elsewhere") for each in words]
+
+
+def test_a_full_disk_costs_no_result(run: Run, whole: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def full(path: Path, text: str) -> None:
+        if path.suffix == ".sarif":
+            raise OSError(28, "No space left on device", str(path))
+        path.write_text(text)
+
+    monkeypatch.setattr("safety.commands.inject.write", full)
+    called = run("inject", "--sarif", "out.sarif", "--junit", "out.xml", "--json", "out.json", *HERE)
+    assert called.code == 2
+    assert "out.sarif cannot be written: No space left on device; the results are kept" in called.err
+    assert (whole / "out.xml").exists() and document(whole / "out.json")["campaigns"]
+    monkeypatch.setattr("safety.inject.write_csv", lambda rows, path: full(path.with_suffix(".sarif"), ""))
+    called = run("inject", "--csv", "out.csv", *HERE)
+    assert called.code == 1 and "failure modes cannot be written" in called.err
+
+
+def test_an_engine_that_is_not_there_is_named(run: Run, whole: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def missing(*_: object) -> None:
+        raise ImportError("No module named 'llvmlite'")
+
+    monkeypatch.setattr("safety.inject.campaign.engine_for", missing)
+    called = run("inject", "--engine", "native", *HERE)
+    assert called.code == 2
+    assert "counter_stuck: engine native: No module named 'llvmlite'; give --engine lanes" in called.err

@@ -59,7 +59,7 @@ class Pool:
             lambda: ~bit, lambda: bit & self.any("bit"), lambda: bit | self.any("bit"), lambda: bit ^ self.any("bit"),
             lambda: implies(bit, self.any("bit")), lambda: bit == self.any("bit"), lambda: bit.word(),
             lambda: number + other, lambda: number - other, lambda: number * other, lambda: number + pick.randrange(9),
-            lambda: number == other, lambda: number < other, lambda: number <= other, lambda: number > pick.randrange(9),
+            lambda: number == other, lambda: number < other, lambda: number <= other, lambda: number > 7,
             lambda: select(bit, word, like), lambda: word & like, lambda: word | like, lambda: word ^ like,
             lambda: word // pick.choice([1, 3, 7, 10, 256]), lambda: word % pick.choice([1, 3, 7, 10, 256]),
             lambda: word.concat(like), lambda: word.bit(pick.randrange(word.width)), lambda: ~word,

@@ -61,6 +61,7 @@ def bit_faults(system: System) -> Iterator[Fault]:
         for number in [None] if term.sort == BIT else range(WIDTH):
             for kind in (stuck(0, number), stuck(1, number), flip(number)):
                 yield Fault(kind, [point])
+        yield Fault(stuck(0), [point], name=f"{point} again")
         yield Fault(flip(), [point], ANY_TIME, at=4)
         yield Fault(stuck(1), [point], TRANSIENT, at=3, ticks=4)
 

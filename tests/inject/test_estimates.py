@@ -1,4 +1,4 @@
-"""Shares of a campaign have the bounds that fit how its injections were chosen."""
+"""Fractions fit how the injections were chosen: exact, hypergeometric, by group, and never from part of a run."""
 
 from __future__ import annotations
 
@@ -6,72 +6,102 @@ from collections.abc import Callable
 from fractions import Fraction
 from typing import Any
 
+import numpy as np
 import pytest
 
-from safety.inject import Campaign, Group, Uniform, stuck_bits
-from safety.inject.estimates import estimate
-from safety.inject.statistics import Stratum, any_population, bounds, clustered, clustered_ratio, weighted
+from safety.inject import Campaign, CampaignError, Group, Judged, Result, stuck_bits
+from safety.inject import counting as counting_module
+from safety.inject.classes import CELLS
+from safety.inject.judging import UNMADE
 
 Make = Callable[..., Campaign]
-
-
-def ends(found: Any) -> tuple[float, float]:
-    return found.low, found.high
+WRONG, NEUTRAL, FOUND = (CELLS.index(cell) for cell in ("wrong/no", "neutral/no", "wrong/yes"))
 
 
 @pytest.fixture
-def drawn(campaign: Make) -> Campaign:
-    """The timer started at a drawn count, in five scenarios."""
-    return campaign(
-        start={}, vary={"count": Uniform(0, 15)}, scenarios=5, run_in=3, measured=4, block=4, safe_side=None,
-        wrong_side=lambda counts: counts.total("lit") != counts.healthy("lit"),
-    )  # fmt: skip
+def uneven(campaign: Make) -> Make:
+    """A large group without danger and a small one that is all dangerous."""
+    groups = [Group("large", stuck_bits("count", "sum")), Group("small", stuck_bits("lit"))]
+
+    def make(**changes: Any) -> Campaign:
+        return campaign(**({"faults": groups, "onsets": range(40)} | changes))
+
+    return make
 
 
-def test_under_drawn_scenarios_the_bounds_are_those_of_the_scenarios(drawn: Campaign) -> None:
-    result = drawn.inject()
-    tallies = list(result.by_scenario.values())
-    found, missed = (
-        [Fraction(tally[cell], tally.injections) for tally in tallies] for cell in ("wrong/yes", "wrong/no")
-    )
-    assert ends(result.dangerous_undetected_of_all) == clustered(missed, 0.99)
-    assert ends(result.diagnostic_coverage) == clustered_ratio(found, missed, 0.99)
+def given(declared: Campaign) -> Result:
+    """A result in which every injection of the small group is dangerous, half of them detected, and no other."""
+    judged = Judged.alike(len(declared.space), NEUTRAL)
+    small = declared.space.keys(0, len(declared.space)) == 1
+    judged.cells[np.flatnonzero(small)] = WRONG
+    judged.cells[np.flatnonzero(small)[::2]] = FOUND
+    return Result.of(declared, judged)
 
 
-def test_that_nothing_else_was_seen_does_not_make_a_part_the_whole(drawn: Campaign) -> None:
-    """Where each scenario had only cells that are asked for, others may still come in scenarios that were not drawn."""
-    result = drawn.inject()
-    seen = [cell for cell in result.tally.table if cell != "wrong/no"]
-    part, whole = (
-        estimate(result, cells, ["wrong/no"])
-        for cells in (seen, [c for c in ("neutral/yes", "neutral/no", "safe/yes", "safe/no", "wrong/yes")])
-    )
-    assert part is not None and whole is not None and part.value == whole.value
-    assert part.low < whole.low
+def test_all_is_exact(uneven: Make) -> None:
+    found = given(uneven())
+    share = found.dangerous_undetected_of_all
+    assert share is not None and share.exact == Fraction(40, 18 * 40)
+    assert found.exhaustive and found.groups["small"].table == {"wrong/yes": 40, "wrong/no": 40}
 
 
-def test_a_sample_of_all_is_bounded_by_its_population(campaign: Make) -> None:
-    result = campaign(sample=9, seed=3).inject()
-    low, high = bounds(result.tally.dangerous_undetected, 9, 14)
-    assert ends(result.dangerous_undetected_of_all) == pytest.approx((float(low), float(high)), rel=1e-15)
-    dangerous = result.tally.dangerous_detected + result.tally.dangerous_undetected
-    assert ends(result.diagnostic_coverage) == any_population(result.tally.dangerous_detected, dangerous, 0.99)
+def test_a_sample_by_group_weighs_each_group_as_it_is_large(uneven: Make) -> None:
+    """Half of those drawn are of the small group: their share among the injections drawn says nothing of all."""
+    found = given(uneven(sample={"large": 40, "small": 40}))
+    share = found.dangerous_undetected_of_all
+    assert share is not None and share.exact is None
+    assert found.tally["wrong/no"] / found.tally.injections == 0.25
+    assert share.value == pytest.approx(40 / 720) and share.low < 40 / 720 < share.high < 0.25
+    coverage = found.diagnostic_coverage
+    assert coverage is not None and coverage.low < 0.5 < coverage.high
+    assert found.detected_of_effective is None
 
 
-def test_a_sample_by_group_is_bounded_by_strata(campaign: Make) -> None:
-    groups = [
-        Group("count", stuck_bits("count"), rate_per_h="1e-8", source="[A] x"),
-        Group("lamp", stuck_bits("lit"), rate_per_h="9e-8", source="[A] x"),
-    ]
-    result = campaign(faults=groups, sample={"count": 5, "lamp": 1}, onsets=range(0, 96, 32)).inject()
+def test_a_group_drawn_whole_is_known(uneven: Make) -> None:
+    found = given(uneven(sample={"large": 40, "small": 80}))
+    coverage = found.diagnostic_coverage
+    assert coverage is not None and coverage.value == 0.5
 
-    def strata(*weights: str) -> list[Stratum]:
-        return [
-            Stratum(
-                r.group.name, Fraction(w), r.tally.injections, 0, r.tally["wrong/yes"], r.tally["wrong/no"], False, r.of
-            )
-            for r, w in zip(result.rows, weights, strict=True)
-        ]
 
-    assert result.diagnostic_coverage == weighted(strata("24", "6"), safe_too=False)
-    assert result.weighted() == weighted(strata("1e-8", "9e-8"), safe_too=False)
+def test_a_plain_sample_is_of_a_known_population(uneven: Make) -> None:
+    found = given(uneven(sample=700, seed=2))
+    share = found.dangerous_undetected_of_all
+    assert share is not None and share.exact is None
+    hits, left = found.tally["wrong/no"], 20
+    assert hits / 720 <= share.low + 1e-9 and share.high <= (hits + left) / 720 + 1e-9  # 20 were not drawn
+
+
+def test_what_was_cut_short_has_counts_and_no_fraction(uneven: Make) -> None:
+    declared = uneven()
+    judged = given(declared).judged
+    judged.cells[100:] = UNMADE
+    found = Result.of(declared, judged, interrupted=True)
+    assert (found.tally.injections, found.diagnostic_coverage, found.weighted()) == (100, None, None)
+    assert found.surprises() == ["interrupted after 100 of 720 injections"]
+    assert len(list(found.numbers())) == 100
+
+
+def test_results_of_another_space_are_refused(uneven: Make) -> None:
+    with pytest.raises(CampaignError, match="700 results for 720 injections"):
+        Result.of(uneven(), Judged.alike(700, NEUTRAL))
+
+
+def test_the_replay_list_is_cut_and_says_of_how_many(uneven: Make, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("safety.inject.result.MOST_REPLAYS", 7)
+    entry = given(uneven()).to_json()
+    assert (len(entry["replay"]), entry["replay_of"]) == (7, 40)
+    assert entry["replay"][0] == "timer::lit stuck-at-0 from step 1"
+
+
+@pytest.mark.parametrize("most_keys", [0, 2**18])
+@pytest.mark.parametrize("piece", [1, 7, 2**20])
+def test_counts_are_the_same_however_they_are_added_up(
+    uneven: Make, monkeypatch: pytest.MonkeyPatch, piece: int, most_keys: int
+) -> None:
+    naive = given(uneven())
+    expected = {name: tally.table for name, tally in naive.groups.items()}
+    monkeypatch.setattr(counting_module, "PIECE", piece)
+    monkeypatch.setattr(counting_module, "MOST_KEYS", most_keys)
+    again = given(uneven())
+    assert {name: tally.table for name, tally in again.groups.items()} == expected
+    assert again.effective == naive.effective

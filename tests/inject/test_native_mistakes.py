@@ -32,13 +32,13 @@ def short_stretches(monkeypatch: pytest.MonkeyPatch, tmp_path: Any) -> None:
 @functools.cache
 def sample(number: int) -> tuple[Task, Batch, Outcome]:
     """A task, a batch, and its outcome when nothing is left out."""
-    task = random_task(number, Timing(4, 36, 9, 1), atoms=16, masks_only=number < 3)
+    task = random_task(number, Timing(4, 36, 9, 1), atoms=16, masks_only=number < 4)
     batch = random_batch(task, number, 300)
     return task, batch, NativeEngine(task, prune=False).run(batch)
 
 
 def found() -> Iterator[bool]:
-    for number in (0, 1, 2, 5, 6, 7):
+    for number in range(12):
         task, batch, right = sample(number)
         yield bool(differences(NativeEngine(task).run(batch), right))
 
@@ -354,7 +354,7 @@ def a_mask_blocks_what_should_pass(patch: pytest.MonkeyPatch) -> None:
 
 @pytest.mark.parametrize("name", MISTAKES)
 def test_a_mistake_is_found(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    for number in (0, 1, 2, 5, 6, 7):
+    for number in range(12):
         sample(number)
     MISTAKES[name](monkeypatch)
     assert any(found())

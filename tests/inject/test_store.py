@@ -6,6 +6,7 @@ import errno
 import os
 import resource
 import sqlite3
+import stat
 import subprocess
 import sys
 from collections.abc import Callable
@@ -160,6 +161,25 @@ def test_what_a_killed_driver_was_writing_is_removed_later(make: Make, tmp_path:
     os.utime(old, (0, 0))
     make(part=Part(1, 26))
     assert (old.exists(), new.exists()) == (False, True)
+
+
+def test_a_shard_has_its_name_only_when_all_of_it_is_on_the_disk(make: Make, monkeypatch: pytest.MonkeyPatch) -> None:
+    events: list[str] = []
+    sync, rename = os.fsync, Path.replace
+
+    def synced(handle: int) -> None:
+        events.append("folder" if stat.S_ISDIR(os.fstat(handle).st_mode) else f"file of {os.fstat(handle).st_size}")
+        sync(handle)
+
+    def renamed(self: Path, target: Path) -> Path:
+        assert not target.exists()
+        events.append(f"named {self.stat().st_size}")
+        return rename(self, target)
+
+    monkeypatch.setattr(os, "fsync", synced)
+    monkeypatch.setattr(Path, "replace", renamed)
+    sizes = [path.stat().st_size for path in sorted(make().folder.iterdir())]
+    assert events == [event for size in sizes for event in (f"file of {size}", f"named {size}", "folder")]
 
 
 # --- damage ----------------------------------------------------------------------------------------------------------

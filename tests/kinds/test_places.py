@@ -253,6 +253,11 @@ def desk(kind: Kind, *points: str) -> Callable[[], Any]:
         (lambda: clock_glitch(1), r"clock_glitch\(1\): 0 skips a step, 2 is one step too many"),
         (lambda: Fault(stuck, ["a"]), "that is no fault kind; write e.g. stuck"),  # type: ignore[arg-type]
         (lambda: Fault(flip(), ["a"], ANY_TIME, at=1.5), "1.5 is no whole number"),  # type: ignore[arg-type]
+        (lambda: Kind("none", ""), "kind 'none': give it one of effect, joint, update and members"),
+        (lambda: Kind("two", "", lambda _, h: h, joint=lambda _, h: h), "kind 'two': give it one of"),
+        (lambda: Seat("s", bit(True)).then(bit(True), bit(True)), "s has no register"),
+        (desk(Kind("wider", "", lambda _, h: h + 1), "word"), "the effect gives u3 at word, a u2"),  # type: ignore
+        (desk(Kind("short", "", joint=lambda _, h: h[:1]), "wire", "line"), "the effect gives None at line, a bit"),
         # values
         (lambda: schedule(built(Fault(noise(1), ["word"], values={"byte": [1]}), model=Desk)), "has values for 'byte'"),
         (lambda: schedule(built(Fault(power_dip(), ["cell"], values={"cell.n": [1]}), model=Desk)),

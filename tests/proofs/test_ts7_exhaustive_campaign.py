@@ -63,6 +63,13 @@ def test_a_larger_sample_comes_out_the_same_on_the_lanes(campaign: Campaign) -> 
 
 
 @native
+@pytest.mark.slow
+@pytest.mark.parametrize("campaign", [upsets, stuck_pairs], ids=lambda c: c.id)
+def test_the_collapsed_space_is_the_whole_one(campaign: Campaign) -> None:
+    assert replace(campaign, id="audited", audit=True).inject().surprises() == []
+
+
+@native
 def test_every_upset_is_as_declared() -> None:
     found = upsets.inject()
     assert found.surprises() == [] and found.exhaustive

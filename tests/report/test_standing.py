@@ -54,6 +54,7 @@ def test_a_verdict_that_is_expected_is_as_asked(verdict: str) -> None:
         ("campaigns", campaign(False, expect={"exhaustive": False}), 0),
         ("campaigns", campaign(True, as_expected=False), 1),
         ("campaigns", campaign(True, error="kernel"), 70),
+        ("campaigns", campaign(True, as_expected=False, disagreed_by=["the Python reading"]), 6),
         ("trees", {"id": "t", "probability": 0.1}, 0),
         ("trees", {"id": "t", "probability": None, "probability_low": 0.1, "probability_high": 0.2}, 0),
         ("trees", {"id": "t", "probability": None, "probability_low": 0.1}, 3),

@@ -17,8 +17,8 @@ MOST_COUNTED = 2**15 - 1  # in 16 bits
 
 # What the driver is given, each 8 bytes: an address, or a number.
 PARAMETERS = (
-    "groups", "going_on", "start", "stop", "prune", "wide", "atoms", "first", "end", "column", "entry", "entries", "rows",
-    "before", "after", "apart", "state", "other", "seen", "taps", "passing", "sums", "ever",
+    "groups", "going_on", "start", "stop", "prune", "wide", "atoms", "first", "end", "column", "entry", "entries",
+    "rows", "before", "after", "apart", "state", "other", "seen", "taps", "passing", "sums", "ever",
     "counts", "came", "columns", "blocks",
 )  # fmt: skip
 NUMBERS = {"groups", "going_on", "start", "stop", "wide", "prune", "columns", "blocks"}

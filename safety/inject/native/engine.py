@@ -10,6 +10,7 @@ from safety.faults import is_wide, where
 from safety.inject.engine import NEVER, NONE, Batch, Outcome, Task
 from safety.inject.masks import masks
 from safety.inject.native import sweep
+from safety.inject.native.excitation import Excitation, reduces
 from safety.inject.native.program import Program
 from safety.inject.native.tapped import tapped
 from safety.inject.space import CampaignError
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
     Array = npt.NDArray[Any]
 
 MOST_BUILT_IN = 64
+REDUCING_PAYS = 2**28  # runs times steps
 
 Slot = tuple[int, int]  # a fault that is built in: its row in the batch, its atom
 
@@ -40,6 +42,7 @@ class NativeEngine:
         self.task, self.prune, self.target = task, prune, target or host()
         self._masks = [masks(task.system, atom) for atom in task.atoms]
         self._points = tuple(dict.fromkeys(point for found in self._masks for point in found or ()))
+        self._excitations: dict[int, Excitation] = {}
         self._programs: dict[tuple[tuple[Slot, ...], bool], Program] = {}
         self._masked = Program(
             task,
@@ -84,7 +87,7 @@ class NativeEngine:
         bare = np.array([found is None for found in self._masks] + [False])  # the last stands for NONE
         special = bare[batch.atoms].any(axis=0)
         if not special.any():
-            return sweep.run(self._masked, batch, prune=self.prune)
+            return self._run_masked(batch)
         counts = {name: np.repeat(array, batch.runs, axis=1) for name, array in golden.counts.items()}
         first = {name: np.full(batch.runs, NEVER, np.int32) for name in self.task.watch}
         for program, columns, atoms in self._parts(batch, special):
@@ -95,6 +98,29 @@ class NativeEngine:
             for name in first:
                 first[name][columns] = seen.first[name]
         return Outcome(counts, first)
+
+    def _run_masked(self, batch: Batch) -> Outcome:
+        """Run faults that masks carry; of several that stay only those that change something, and each run once."""
+        import numpy as np
+
+        order, timing = len(batch.atoms), self.task.timing
+        work = batch.runs * timing.frames * timing.steps
+        if not (self.prune and order in (2, 3) and work >= REDUCING_PAYS and reduces(batch)):
+            return sweep.run(self._masked, batch, prune=self.prune)
+        first = int(batch.first[batch.atoms != NONE][0])
+        if first not in self._excitations:
+            masks = [found or {} for found in self._masks]
+            self._excitations[first] = Excitation(self.task, masks, first, lambda: self._stimulus, self.target)
+        atoms = self._excitations[first].reduced(batch.atoms).astype(np.int64) + 1
+        key = sum(row * (len(self.task.atoms) + 1) ** i for i, row in enumerate(atoms))
+        _, chosen, which = np.unique(key, return_index=True, return_inverse=True)
+        fewer = (atoms[:, chosen] - 1).astype(np.int32)
+        steps = [np.full_like(fewer, step) for step in (first, NEVER)]
+        seen = sweep.run(self._masked, Batch(fewer, *steps), prune=True)
+        return Outcome(
+            {name: array[:, which] for name, array in seen.counts.items()},
+            {name: array[which] for name, array in seen.first.items()},
+        )
 
     def _parts(self, batch: Batch, special: Any) -> Iterator[tuple[Program, Array, Array]]:
         """Programs with the columns that run on them, and the atoms of these columns as the program numbers them."""

@@ -28,7 +28,8 @@ UNUSED = variable("unused", BIT)  # a place among the taps for what a switch has
 class Kernel:
     """A step of a system that observes wires, with faults.
 
-    Of the observed `wires`, the first `watched` are for their first true frame, those at `counted` to be counted.
+    Of the observed `wires`, the first `watched` are for their first true frame, those at `counted` to be counted;
+    `recorded` are registers that matter besides.
     """
 
     tapped: Tapped
@@ -36,16 +37,17 @@ class Kernel:
     watched: int
     counted: Sequence[int]
     target: Target
+    recorded: Sequence[str] = ()
 
     @cached_property
     def registers(self) -> tuple[State, ...]:
-        """The registers that an observed wire, or an assumption, depends on at some time."""
+        """The registers that what is observed, or an assumption, depends on at some time."""
         return tuple(live_states(self.tapped.system.states, variables(self._observed)))
 
     @property
     def _observed(self) -> list[Term]:
         system = self.tapped.system
-        return [*(system.lookup(wire) for wire in self.wires), *system.assumptions.values()]
+        return [system.lookup(name) for name in (*self.wires, *self.recorded)] + [*system.assumptions.values()]
 
     @cached_property
     def state(self) -> Block:
@@ -64,7 +66,7 @@ class Kernel:
 
     @cached_property
     def inputs(self) -> Mapping[str, Term]:
-        """The inputs that these registers, an observed wire or an assumption depend on."""
+        """The inputs that these registers, what is observed or an assumption depend on."""
         read = {v.uid for v in variables([*self._observed, *(s.next for s in self.registers)])}
         return {name: term for name, term in self.tapped.system.inputs.items() if term.uid in read}
 

@@ -55,11 +55,12 @@ class Program:
         acts: Sequence[Act],
         stimulus: Callable[[], Mapping[str, Array]],
         target: Target,
+        recorded: Sequence[str] = (),
     ) -> None:
         wires = tuple(dict.fromkeys((*task.watch, *task.count)))
         counted = [wires.index(name) for name in task.count]
         self.task, self.acts, self._stimulus = task, acts, stimulus
-        self.kernel = Kernel(system, wires, len(task.watch), counted, target)
+        self.kernel = Kernel(system, wires, len(task.watch), counted, target, recorded)
         self._library = Library(source(self.kernel), target, keep=True)
         self._run = self._library.function("run", POINTER)
 
@@ -114,6 +115,16 @@ class Program:
             true = np.where(rows[f"wire{i}"][ends], np.arange(t.measured), NEVER)
             ahead = np.minimum.accumulate(true[::-1])[::-1]
             rows[f"next{i}"] = np.append(ahead, NEVER)[rows["frame"]]
+
+    def kept(self, step: int) -> Array:
+        """The lane of the fault-free run before a step, as a record in words of 64 bits."""
+        import numpy as np
+
+        record = np.zeros(1, self.kernel.kept.type)
+        for i, s in enumerate(self.kernel.registers):
+            bytes_ = s.var.sort == BIT and not self.kernel.target.packed
+            record[f"v{i}"] = self.rows[f"v{i}"][step] * (255 if bytes_ else 1)
+        return record.view(np.uint64)
 
     @cached_property
     def golden(self) -> Outcome:

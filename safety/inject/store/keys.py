@@ -47,7 +47,7 @@ def campaign_key(campaign: Campaign) -> str:
             [text.of(system, "system") for system in _systems(campaign)],
             text.of(campaign.space, "space"),
             list(campaign.detectors),
-            [text.of(campaign.inputs(frame)) for frame in range(campaign.timing.frames)],
+            _stimulus(campaign, text),
             [[name, text.of(getattr(campaign, name))] for name in rest],
         ]
     except NoKeyError as error:
@@ -56,6 +56,14 @@ def campaign_key(campaign: Campaign) -> str:
             "and classes"
         ) from None
     return digest([engine(), json.dumps(text.nodes), json.dumps(told)])
+
+
+def _stimulus(campaign: Campaign, text: Text) -> list[Any]:
+    """The different rows of inputs, and which of them each frame has."""
+    rows: dict[Any, int] = {}
+    frames = (tuple(sorted(campaign.inputs(frame).items())) for frame in range(campaign.timing.frames))
+    places = [rows.setdefault(row, len(rows)) for row in frames]
+    return [[text.of(row) for row in rows], places]
 
 
 def _systems(campaign: Campaign) -> Iterator[System]:
@@ -89,6 +97,8 @@ class _CampaignText(Text):
 
     def of(self, value: Any, name: str = "") -> Any:
         """What stands for a value."""
+        if type(value) in (bool, int, str):
+            return super().of(value, name)
         match value:
             case float():
                 return ["float", value.hex()]

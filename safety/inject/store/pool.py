@@ -96,22 +96,26 @@ class Processes(Executor):
             if self._abandoned:
                 died = "the executor was shut down"
                 break
-            if worker is None:
-                worker = _Worker()
-                self._live.add(worker)
-                if self._abandoned:  # meanwhile
-                    worker.kill()
             try:
+                worker = worker or self._begin()
                 done, value = worker.call(task)
             except EOFError:
+                assert worker is not None
                 died, worker = f"{ATTEMPTS} workers died of it, the last by {self._end(worker)}", None
-            except Exception as error:  # the task cannot be pickled
+            except Exception as error:  # the task cannot be pickled, or no process begun
                 task.future.set_exception(error)
                 return worker
             else:
                 (task.future.set_result if done else task.future.set_exception)(value)
                 return worker
         task.future.set_exception(WorkerDiedError(died))
+        return worker
+
+    def _begin(self) -> _Worker:
+        worker = _Worker()
+        self._live.add(worker)
+        if self._abandoned:  # meanwhile
+            worker.kill()
         return worker
 
     def _end(self, worker: _Worker) -> str:
