@@ -3,7 +3,7 @@
 Each mutant of a model (`safety.prove.mutation`) is put to all claims on that model:
 
     counterexample  a proved claim is false in a run of the mutant
-    witness         the run by which a claim shows that its premise happens does not show it any more
+    vacuous         a proved claim says nothing any more: the run that shows its premise does not, or none can
     twin            a claim that must be refuted is proved instead
     proof lost      a proof no longer goes through and no run breaks the claim: whether one would notice is not shown
     equivalent      the mutant steps as the model does, in every state that matters: shown by a solver
@@ -19,7 +19,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
-from safety.prove import search
+from safety.prove import claims, search
 from safety.prove.claims import PROVED, REFUTED
 from safety.prove.engines.engine import uses_reals
 from safety.prove.exclusions import exclusions
@@ -39,12 +39,12 @@ from safety.prove.outcome import Limits, Outcome
 from safety.prove.problem import Problem, premise_name
 from safety.prove.prove import decide
 from safety.system import ModelError, System
-from safety.terms import Bit
+from safety.terms import Bit, bit
 from safety.terms.graph import variables
 
-COUNTEREXAMPLE, WITNESS, TWIN, PROOF_LOST = "counterexample", "witness", "twin", "proof lost"
+COUNTEREXAMPLE, VACUOUS, TWIN, PROOF_LOST = "counterexample", "vacuous", "twin", "proof lost"
 EQUIVALENT, SLACK, UNDECIDED, UNCLAIMED = "equivalent", "slack", "undecided", "unclaimed"
-KILLED = (COUNTEREXAMPLE, WITNESS, TWIN)
+KILLED = (COUNTEREXAMPLE, VACUOUS, TWIN)
 KINDS = (*KILLED, PROOF_LOST, EQUIVALENT, SLACK, UNDECIDED, UNCLAIMED)
 SHORT = 12  # steps of the search for a run behind a proof that is lost
 FAR = 20  # steps of the search for a run in which a mutant differs
@@ -174,10 +174,10 @@ class _Examination:
             try:
                 run = search.scripted(problem, script)
             except ModelError as error:
-                self.settle(number, WITNESS, case.claim.id, str(error))
+                self.settle(number, VACUOUS, case.claim.id, str(error))
                 continue
             if not any(True in run[premise_name(problem, i)] for i in range(len(problem.premises))):
-                self.settle(number, WITNESS, case.claim.id, f"its premise is not met in the {script.steps} steps")
+                self.settle(number, VACUOUS, case.claim.id, f"its premise is not met in the {script.steps} steps")
 
     def _twin(self, case: Case) -> None:
         """A twin kills where it is proved of the mutant; that nothing refutes it in some steps is not enough."""
@@ -195,9 +195,14 @@ class _Examination:
                 self.open.setdefault(number, {})[case] = "neither refuted nor proved"
 
     def _decided(self, case: Case, number: int) -> Outcome:
-        """A claim on a mutant, with lemmas that the tool finds; a proof is tried before runs."""
+        """A claim on a mutant, with lemmas that the tool finds; a proof is tried before runs.
+
+        A twin is false, or it is true: whether its premise can happen is not asked.
+        """
         seconds = DECIDED * self.timeout
         problem = replace(self._single(case, number), lemmas={})
+        if case.claim.expect == REFUTED:
+            problem = replace(problem, premises=(bit(True),))
         plain = replace(problem.claim, witness=None, scenario=None, expect=PROVED)
         engines = 0 if case.proved else seconds  # what induction proves of the model is no riddle for its mutant
         limits = Limits(seconds, synthesis=seconds, simulation=seconds / 2, portfolio=engines)
@@ -209,6 +214,9 @@ class _Examination:
             outcome = self._decided(case, number)
             if outcome.verdict == REFUTED:
                 self.settle(number, COUNTEREXAMPLE, case.claim.id, f"after {outcome.steps} steps")
+                return
+            if outcome.verdict == claims.VACUOUS:
+                self.settle(number, VACUOUS, case.claim.id, outcome.why)
                 return
             if outcome.verdict == PROVED:
                 for some in (self.lost, self.open):

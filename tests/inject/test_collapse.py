@@ -154,6 +154,14 @@ def test_a_fault_in_the_zone_of_another_is_not_taken_for_apart(monkeypatch: pyte
     assert any(wrong_classes(seed, order)[0] for seed in range(12))
 
 
+def test_faults_at_one_point_keep_their_order() -> None:
+    """The last of a pair at one point is what shows, whichever fault stands for it alone."""
+    faults = [Fault(stuck(0), ["p"]), Fault(stuck(1), ["p"]), Fault(stuck(0), ["p"], name="again")]
+    found = collapse(chains(), faults, LOOKS)
+    assert found.leaders.tolist() == [0, 1, 0]
+    assert found.representatives(np.array([[0, 0, 1], [1, 2, 2]])).T.tolist() == [[0, 1], [0, 2], [1, 2]]
+
+
 @pytest.mark.parametrize("left_out", ["", "q", "d"])
 def test_a_zone_that_lacks_a_point_is_found(monkeypatch: pytest.MonkeyPatch, left_out: str) -> None:
     right = module.Graph.end

@@ -23,7 +23,7 @@ PARAMETERS = (
 )  # fmt: skip
 NUMBERS = {"groups", "going_on", "start", "stop", "wide", "prune", "columns", "blocks"}
 # going_on: so many groups, the first, begin at step `start` with the lanes of `before`; all end before step `stop`,
-# where `after` takes their lanes, and `apart` those of each group that are not as the fault-free run, in 8 bytes;
+# where `apart` says of each group which lanes are not as the fault-free run, in 8 bytes, and `after` takes these;
 # wide: faults a run has at most; atoms, first, end: (wide, groups x lanes) of int32; column: of each lane, the last
 # where it has none; entry: where each atom's entries begin, and the last's end; passing: `taps` without faults;
 # counts: (wires, blocks, columns) of int32 and came: (watched, columns), both to be added to.
@@ -113,11 +113,14 @@ class Driver:
         with k.when(going_on):
             self.now.set(self.given["start"])
             self.next.set(self.given["start"])
-            k.run("@take", f"ptr {self.before.value}", f"ptr {self._kept('before')}")
+            with k.each(0, k.lanes) as lane:
+                k.run("@take", f"ptr {self.before.value}", f"i64 {lane}", f"ptr {self._kept('before', lane)}")
 
-    def _kept(self, name: str) -> str:
-        """Where the lanes of this group are kept, a record each."""
-        return self.k.at(self.given[name], self.k.op(f"mul i64 {self.base.value}, {self.kernel.kept.type.itemsize}"))
+    def _kept(self, name: str, lane: str) -> str:
+        """Where a lane of this group is kept."""
+        k = self.k
+        place = k.op(f"add i64 {self.base.value}, {lane}")
+        return k.at(self.given[name], k.op(f"mul i64 {place}, {self.kernel.kept.type.itemsize}"))
 
     def _leap(self) -> None:
         """To the next event or the end; what the fault-free run shows first in between, each lane shows."""
@@ -181,10 +184,11 @@ class Driver:
         k, kind = self.k, f"i{self.k.lanes}"
         self._flush()
         with k.when(k.is_("ne", "ptr", self.given["after"], "null")):
-            k.run("@give", f"ptr {self.before.value}", f"ptr {self._kept('after')}")
             apart = k.op(f"call {kind} @diverged(ptr {self.before.value}, ptr {self._row()})")
-            apart = apart if kind == "i64" else k.op(f"zext {kind} {apart} to i64")
-            k.store("i64", apart, k.element(self.given["apart"], "i64", group), align=8)
+            number = apart if kind == "i64" else k.op(f"zext {kind} {apart} to i64")
+            k.store("i64", number, k.element(self.given["apart"], "i64", group), align=8)
+            with k.each_bit(apart) as lane:
+                k.run("@give", f"ptr {self.before.value}", f"i64 {lane}", f"ptr {self._kept('after', lane)}")
         with k.when(k.is_("ne", "i64", self.active.value, 0)):
             k.intrinsics.add("declare void @llvm.memcpy.p0.p0.i64(ptr, ptr, i64, i1)")
             whole = f"ptr {self.given['taps']}, ptr {self.given['passing']}, i64 {self.kernel.taps.size}"

@@ -132,10 +132,10 @@ def _digest(words: Array) -> Array:
     """A number for each row; equal rows have equal numbers."""
     import numpy as np
 
-    odd = np.random.default_rng(0).integers(0, 2**63, (2, words.shape[1]), np.uint64) * np.uint64(2) + np.uint64(1)
-    mixed = words * odd[0]
+    odd = np.random.default_rng(0).integers(0, 2**63, words.shape[1], np.uint64) * np.uint64(2) + np.uint64(1)
+    mixed = words * odd
     mixed ^= mixed >> np.uint64(29)
-    digest: Array = (mixed * odd[1]).sum(axis=1)
+    digest: Array = mixed.sum(axis=1)
     return digest
 
 
