@@ -224,7 +224,7 @@ class Result:
             "groups": [{"group": name, "counts": tally.table} for name, tally in self.groups.items()],
             "fmeda": [row.to_json() for row in self.rows],
             "expected": dict(campaign.expect or {}),
-            "expect": {"exhaustive": space.exhaustive},
+            "expect": {"exhaustive": space.exhaustive and not campaign.vary},
             "as_expected": not surprises,
             "surprises": surprises,
             "note": "; ".join(surprises),

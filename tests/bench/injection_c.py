@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import itertools
+import platform
 import subprocess
 import tempfile
 import time
@@ -20,7 +21,8 @@ from tests.bench.injection_slices import Slices
 from tests.bench.injection_task import healthy, sites, stimulus
 from tests.bench.injection_text import Writer
 
-WIDE, NARROW = ("-march=native",), ("-march=native", "-mno-avx512f")  # registers of 64 bytes where there are, of 32
+WIDE = ("-march=native",)  # registers of 64 bytes where there are
+NARROW = (*WIDE, *(["-mno-avx512f"] if platform.machine() in ("x86_64", "AMD64") else []))  # of 32
 ALIGNED = {"clang++": ("-mstackrealign",)}  # else what it keeps on the stack lies across lines of the cache
 Array = npt.NDArray[np.generic]
 

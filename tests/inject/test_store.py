@@ -178,7 +178,7 @@ def test_threads_take_turns(root: Path, whole: Stored, tmp_path: Path, monkeypat
 
 def test_two_drivers_in_one_store_do_not_harm_each_other(root: Path, whole: Stored, tmp_path: Path) -> None:
     both = [timer.driver(root, tmp_path, "serial") for _ in range(2)]
-    said = [process.communicate(timeout=60)[0] for process in both]
+    said = [process.communicate(timeout=timer.PATIENCE_S)[0] for process in both]
     assert [process.returncode for process in both] == [0, 0], said
     assert timer.files(timer.opened(root, tmp_path).folder) == timer.files(whole.folder)
 
@@ -306,7 +306,7 @@ def test_files_that_may_not_grow_are_told_of(root: Path, whole: Stored, tmp_path
     """A real limit of the operating system, which the ledger meets first."""
     process = subprocess.run(
         [sys.executable, timer.__file__, str(root), str(tmp_path), "serial"],
-        env=timer.environment(root), capture_output=True, text=True, timeout=60,
+        env=timer.environment(root), capture_output=True, text=True, timeout=timer.PATIENCE_S,
         preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (42_000, 42_000)),
     )  # fmt: skip
     assert "StoreError" in process.stderr and "the shards are kept" in process.stderr

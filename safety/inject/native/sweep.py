@@ -79,7 +79,8 @@ def _legs(program: Program, batch: Batch, length: int) -> list[_Leg]:
     start = 0
     while start < total:
         stop = min(start + length, total)
-        new = np.arange(*np.searchsorted(begins, [start, stop]))
+        low, high = np.searchsorted(begins, [start, stop])
+        new = np.arange(low, len(begins) if stop == total else high)  # with the last those that never begin
         more = _columns(batch, int(new[0]), int(new[-1]) + 1) if len(new) else _columns(batch, 0, 0)
         runs = Batch(*(np.concatenate([getattr(b, n) for b in (going_on, more)], axis=1) for n in NAMES))
         seen = program.stretch(runs, start, stop, kept=kept, keep=stop < total)
