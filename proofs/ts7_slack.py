@@ -142,10 +142,10 @@ def chr_needs_no_supply(s: Seen) -> Bit:
 SUPPLY_LOST = [Fault(stuck(0), [f"{n}.supply"], ANY_TIME, name=f"supply of {n} lost") for n in CHANNELS]
 
 
-@claim(CommonPart, faults=at_most(1, SUPPLY_LOST), expect=PROVED, requirement="TS7-8",
+@claim(CommonPart, faults=at_most(2, SUPPLY_LOST), expect=PROVED, requirement="TS7-8",
        source="no synchronisation after an isolation [P]")  # fmt: skip
 def no_window_while_a_channel_is_out_of_service(s: Seen) -> Bit:
-    """A frame after some CHR is down, and be it for want of its channel's own supply, there is no window."""
+    """A frame after one or two CHR are down, be it for want of their own supply, there is no window."""
     return implies(previous(any_of(*(s.isolated[n] for n in CHANNELS)), False), ~s.synchronising)
 
 

@@ -20,7 +20,7 @@ from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from safety.prove import claims, search
-from safety.prove.claims import PROVED, REFUTED
+from safety.prove.claims import PROVED, REFUTED, Scenario
 from safety.prove.engines.engine import uses_reals
 from safety.prove.exclusions import exclusions
 from safety.prove.mutation import Mutant
@@ -104,8 +104,6 @@ class _Examination:
         self._drive(doubtful=True)
         self._equivalent_at_power_up()
         self._equivalent_for_claims(self._of_the_step(), found=True)
-        for case in proved:
-            self._witness(case)
         for number in sorted(self.left & (self.lost.keys() | self.open.keys())):
             self._decide(number)
         for case in sorted(self.subject.refuted, key=_length):
@@ -141,12 +139,15 @@ class _Examination:
             yield known, found
 
     def _run(self, case: Case) -> None:
-        """Mutants on the claim's known runs."""
+        """Mutants on the claim's known runs; its witness, if it has one, is the first."""
         for known, found in self._followed(case, self.left & case.sees):
             for number, seen in found.items():
                 if seen.broken is not None and number in self.left:
                     confirmed(self._single(case, number), known, seen.broken)
                     self.settle(number, COUNTEREXAMPLE, case.claim.id, f"after {seen.broken + 1} steps")
+            witness = case.claim.witness
+            if witness is not None and case.claim.scenario is None and known is case.courses[0]:
+                self._witness(case, witness, {number for number, seen in found.items() if not seen.met})
 
     def _single(self, case: Case, number: int) -> Problem:
         return single(case.stated, self.subject.mutants[number])
@@ -164,12 +165,9 @@ class _Examination:
                 case = panel.broken_by(self.subject.mutants[number], course, step)
                 self.settle(number, COUNTEREXAMPLE, case.claim.id, f"after {step + 1} steps")
 
-    def _witness(self, case: Case) -> None:
+    def _witness(self, case: Case, script: Scenario, numbers: set[int]) -> None:
         """Mutants in which the run that shows a claim's premise shows it no more: then nobody accepts the claim."""
-        script = case.claim.witness
-        if script is None:
-            return
-        for number in sorted(self.left & case.sees):
+        for number in sorted(self.left & numbers):
             problem = self._single(case, number)
             try:
                 run = search.scripted(problem, script)
