@@ -76,8 +76,8 @@ def until_sure(
     space = campaign.space
     if space.drawn:
         raise CampaignError(
-            f"{campaign.id}: a group with drawn= is a few faults out of endlessly many, and to draw from these few again "
-            "says nothing about the rest; draw more of them instead"
+            f"{campaign.id}: drawn= takes a few faults out of endlessly many, and to draw from these few again says "
+            "nothing about the rest; draw more of them instead"
         )
     weights = _weights(campaign) if by_rate else None
     rng, watch, size = np.random.default_rng(seed), StopWhenSure(Fraction(target), campaign.confidence), FIRST
