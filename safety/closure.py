@@ -5,31 +5,37 @@ fault when its own fault can do at least as much: at the same points or more, by
 onset that includes the campaign's.  What is proved holds for every input and for ever; what is simulated, for the
 campaign's stimulus.  A fault that is proved harmless and found dangerous means that one of the two is wrong.
 
-    compared(campaign, result, claims, hazards) -> rows, one a single fault: whether it is dangerous, and what covers it
+    compared(campaign, result, claims, hazards) -> each single fault: whether it is dangerous, and what covers it; and
+                                                   for each claim the dangerous run that breaks it
 
 `safety.report.closing` puts the verdicts of the claims to them.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+import itertools
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import replace
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any, cast
 
-from safety.faults import ANY_TIME, FROM_START, TRANSIENT, Fault, expand, matching
-from safety.inject.space import CampaignError, Space, scheduled
+from safety.faults import ANY_TIME, FROM_START, PREFIX, TRANSIENT, Fault, expand, instrument, matching, schedule
+from safety.inject.space import CampaignError, Injection, Space, scheduled
 from safety.kinds.kind import POINT, POINTS, Kind, Seat
 from safety.prove.claims import Claim, claim_id
-from safety.system import System, nearest
+from safety.prove.problem import build_problem
+from safety.system import System, nearest, substitute
 from safety.terms import Bit
 from safety.terms.graph import BIT, Sort, Term, variable
+from safety.trace import run
 from safety.tracing import trace
 
 if TYPE_CHECKING:
     from safety.inject import Campaign, Result
     from safety.prove.hazards import Hazard
 
-WRONG = "wrong/"
+WRONG, HOLDS = "wrong/", "the claim holds"
+TRIED = 8  # dangerous injections
 
 
 def covers(wide: Fault, narrow: Fault, system: System) -> bool:
@@ -104,17 +110,18 @@ def _useless(campaign: Campaign, claim: Claim, why: str) -> CampaignError:
     return CampaignError(f"{campaign.id}: claim {claim.id} closes nothing here: {why}; leave it out of proofs=")
 
 
-def compared(
-    campaign: Campaign, result: Result, claims: Iterable[Claim], hazards: Iterable[Hazard]
-) -> list[dict[str, Any]]:
-    """A row for each single fault: `id`, `rate_per_h`, whether it was found `dangerous`, and `by`, what covers it."""
+def compared(campaign: Campaign, result: Result, claims: Iterable[Claim], hazards: Iterable[Hazard]) -> dict[str, Any]:
+    """`faults`: a row for each, with `id`, `rate_per_h`, whether it was found `dangerous`, and `by`, what covers it.
+
+    `tied`: for each claim the injection that shows that it speaks of this campaign's danger, or None (see `tied`).
+    """
     named = _named(campaign.proofs, claims, hazards, campaign.id)
     covered = {id_: covering(claim, campaign) for id_, claim in named.items()}
     space = campaign.space
     if space.order != 1:
         raise CampaignError(f"{campaign.id}: proofs= closes single faults; this campaign injects {space.order} at once")
     dangerous = {i.places[0] for i, cell in result.injections() if cell.startswith(WRONG)}
-    return [
+    rows = [
         {
             "id": fault.name,
             "rate_per_h": _rate(space, place),
@@ -123,6 +130,53 @@ def compared(
         }
         for place, fault in enumerate(space.singles)
     ]
+    return {"faults": rows, "tied": {id_: tied(campaign, result, claim) for id_, claim in named.items()}}
+
+
+def tied(campaign: Campaign, result: Result, claim: Claim) -> str | None:
+    """The first dangerous injection whose run breaks the claim: both speak of the same danger.
+
+    None when none of the first `TRIED` does.  (A fault that is proved harmless cannot break it, whatever it does.)
+    """
+    dangerous = (injection for injection, cell in result.injections() if cell.startswith(WRONG))
+    return next((one.id for one in itertools.islice(dangerous, TRIED) if _breaks(campaign, one, claim)), None)
+
+
+def _breaks(campaign: Campaign, found: Injection, claim: Claim) -> bool:
+    """Whether the run of an injection breaks a claim: the claim's own faults are absent, this one stands beside them."""
+    variant = campaign.variant(found.scenario)
+    used = {name: setting.value for name, setting in variant.system.settings.items()}
+    settings = {name: value for name, value in used.items() if name not in claim.symbolic}
+    bare = trace(claim.model, {**claim.settings, **settings}, claim.symbolic)
+    broken = instrument(bare, found.faults)
+    new = {name: name.replace(PREFIX, "injected", 1) for name in {*broken.system.state, *broken.system.inputs}}
+    new = {name: other if name not in {*bare.state, *bare.inputs} else name for name, other in new.items()}
+    problem = build_problem(claim, settings, lambda _: _renamed(broken.system, new))
+    system = replace(problem.system, signals={**problem.system.signals, HOLDS: problem.holds}, assumptions={})
+    choose, idle = schedule(broken), {name: _nothing(system.inputs[name].sort) for name in problem.faulted.choices}
+    start = {**variant.start, **{name: used[name] for name in claim.symbolic if name in system.state}}
+    drawn = {n: value for n, value in variant.values.items() if n in system.inputs and not callable(value)}
+
+    def inputs(step: int) -> dict[str, Any]:
+        chosen = {new[name]: value for name, value in choose(step).items()}
+        return {**campaign.constant, **drawn, **variant.inputs(step // campaign.steps_per_frame), **chosen, **idle}
+
+    steps = campaign.timing.frames * campaign.timing.steps
+    return not all(run(system, inputs, steps, start=start, keep=[HOLDS])[HOLDS])
+
+
+def _renamed(system: System, new: Mapping[str, str]) -> System:
+    """The system with other names for some registers and inputs."""
+    leaves = [*(s.var for s in system.states), *system.inputs.values()]
+    other = {v.uid: variable(new[str(v.attr)], v.sort) for v in leaves}
+    whole = system.mapped(lambda terms: substitute(terms, other))
+    states = tuple(replace(s, var=other[s.var.uid]) for s in whole.states)
+    inputs = {new[name]: other[v.uid] for name, v in system.inputs.items()}
+    return replace(whole, states=states, inputs=inputs, start=cast(Bit, substitute([system.start], other)[0]))
+
+
+def _nothing(sort: Sort) -> bool | int:
+    return False if sort == BIT else sort.low or 0
 
 
 def _named(

@@ -25,7 +25,6 @@ from safety.inject import Campaign, CampaignError, Group
 from safety.inject.variants import Choice
 from safety.model import Model, parameter, point, power_up
 from safety.prove.claims import PROVED, Claim, Seen, claim, registered
-from safety.prove.hazards import Hazard
 from safety.report.closing import settled
 from safety.report.standing import DISAGREE, standing
 from safety.terms import U4, Bit, at_least, select
@@ -91,8 +90,16 @@ def campaign(*proofs: Any, **more: Any) -> Campaign:
     )  # fmt: skip
 
 
-def rows(one: Campaign, hazards: list[Hazard] | None = None) -> list[dict[str, Any]]:
-    return compared(one, one.inject(), registered(), hazards or [])
+ID = "test_closure.stops_at_eight"
+
+
+def closed(one: Campaign) -> dict[str, Any]:
+    return compared(one, one.inject(), registered(), [])
+
+
+def rows(one: Campaign) -> list[dict[str, Any]]:
+    faults: list[dict[str, Any]] = closed(one)["faults"]
+    return faults
 
 
 def results(id_: str, verdict: str) -> dict[str, Any]:
@@ -128,13 +135,11 @@ def test_a_fault_covers_what_it_can_do_itself(wide: Fault, narrow: Fault, expect
 def test_proved_simulated_and_nothing_else(stops: Any) -> None:
     proof = stops(at_most(1, "lane"))
     one = campaign(proof)
-    found = rows(one)
-    assert [row["dangerous"] for row in found] == [False, False, False, True]
-    assert [list(row["by"].values()) for row in found] == [["a"], ["b"], ["c"], []]
-    entry = settled(
-        {"id": one.id, "exhaustive": True, "closure": {"faults": found}},
-        results("test_closure.stops_at_eight", "proved"),
-    )
+    found = closed(one)
+    assert [row["dangerous"] for row in found["faults"]] == [False, False, False, True]
+    assert [list(row["by"].values()) for row in found["faults"]] == [["a"], ["b"], ["c"], []]
+    assert found["tied"] == {ID: "out stuck-at-0 from step 0"}
+    entry = settled({"id": one.id, "exhaustive": True, "closure": found}, results(ID, "proved"))
     parts = entry["closure"]["parts"]
     assert (parts["proved"]["faults"], parts["simulated"]["faults"], parts["sampled"]["faults"]) == (3, 1, 0)
     assert parts["proved"]["share_of_rate"] == 0.75 and parts["simulated"]["rate_per_h"] == 1e-6
@@ -143,34 +148,48 @@ def test_proved_simulated_and_nothing_else(stops: Any) -> None:
 
 @pytest.mark.parametrize("verdict", ["bounded", "refuted", "undecided", "vacuous"])
 def test_only_a_proof_closes(stops: Any, verdict: str) -> None:
-    found = rows(campaign(stops(at_most(1, "lane"))))
-    entry = {"id": "c", "exhaustive": False, "closure": {"faults": found}}
-    for given in (results("test_closure.stops_at_eight", verdict), {}):
+    found = closed(campaign(stops(at_most(1, "lane"))))
+    entry = {"id": "c", "exhaustive": False, "closure": found}
+    old = {"claims": [{"id": ID, "verdict": "proved", "outdated": True}]}
+    for given in (results(ID, verdict), {}, old):
         told = settled(entry, given)["closure"]
         assert told["parts"]["proved"]["faults"] == 0 and told["parts"]["sampled"]["faults"] == 4
-        assert told["open"] == ["test_closure.stops_at_eight"]
+        assert told["open"] == [f"{ID}: not proved in these results"]
+
+
+def test_a_claim_about_something_else_closes_nothing(stops: Any) -> None:
+    @claim(Voter, expect=PROVED, faults=at_most(1, "lane"))
+    def counts_stay_small(s: Seen) -> Bit:
+        """The counts stay below 16."""
+        return s.a["count"] <= 15
+
+    found = closed(campaign(counts_stay_small))
+    assert len([row for row in found["faults"] if row["by"]]) == 3
+    id_ = "test_closure.counts_stay_small"
+    told = settled({"id": "c", "exhaustive": True, "closure": found}, results(id_, "proved"))["closure"]
+    assert told["parts"]["proved"]["faults"] == 0
+    assert told["open"] == [f"{id_}: no dangerous run of this campaign that was tried breaks it"]
 
 
 def test_a_fault_proved_harmless_and_found_dangerous_is_a_contradiction(stops: Any) -> None:
-    found = rows(campaign(stops(at_most(1, FAULTS))))  # false: the output stuck stops nothing
-    entry = {"id": "c", "exhaustive": True, "closure": {"faults": found}}
-    told = settled(entry, results("test_closure.stops_at_eight", "proved"))["closure"]
-    assert told["contradictions"] == ["out stuck-at-0: harmless by test_closure.stops_at_eight, dangerous in c"]
+    found = closed(campaign(stops(at_most(1, FAULTS))))  # false: the output stuck stops nothing
+    entry = {"id": "c", "exhaustive": True, "closure": found}
+    told = settled(entry, results(ID, "proved"))["closure"]
+    assert told["contradictions"] == [f"out stuck-at-0: harmless by {ID}, dangerous in c"]
     for as_expected in (True, False):
         stands = standing("campaigns", {**entry, "as_expected": as_expected, "closure": told})
         assert stands.code == DISAGREE and "out stuck-at-0" in stands.reason
 
 
 def test_a_cut_set_of_one_fault_is_not_closed_as_harmless(stops: Any) -> None:
-    found = rows(campaign(stops(any_of_faults(FAULTS))))
-    id_ = "test_closure.stops_at_eight"
+    found = closed(campaign(stops(any_of_faults(FAULTS))))
     cuts = [{"faults": ["out stuck-at-0"]}, {"faults": ["a.asks stuck-at-0", "b.asks stuck-at-0"]}]
-    tree = {"id": id_, "complete_to_order": 1, "cut_sets": cuts, "minimal_cut_sets": {"count": 2}}
-    entry = {"id": "c", "exhaustive": True, "closure": {"faults": found}}
+    tree = {"id": ID, "complete_to_order": 1, "cut_sets": cuts, "minimal_cut_sets": {"count": 2}}
+    entry = {"id": "c", "exhaustive": True, "closure": found}
     told = settled(entry, {"trees": [tree]})["closure"]
     assert told["parts"]["proved"]["faults"] == 3 and told["contradictions"] == []
     for short in ({"complete_to_order": 0}, {"minimal_cut_sets": {"count": 3}}):
-        assert settled(entry, {"trees": [tree | short]})["closure"]["open"] == [id_]
+        assert settled(entry, {"trees": [tree | short]})["closure"]["open"] == [f"{ID}: not proved in these results"]
 
 
 def test_a_claim_covers_the_settings_that_it_is_proved_for_or_leaves_open(stops: Any) -> None:

@@ -81,7 +81,7 @@ def injected(campaign: Campaign, wishes: Wishes, project: Project, note: Note, r
     if campaign.proofs and not result.interrupted:
         from safety.closure import compared
 
-        entry["closure"] = {"faults": compared(campaign, result, project.claims, project.hazards)}
+        entry["closure"] = compared(campaign, result, project.claims, project.hazards)
     if wishes.shard and result.interrupted:
         _as_a_part(entry, wishes.shard, len(campaign.space))
     for problem in problems:

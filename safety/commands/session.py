@@ -227,14 +227,22 @@ class Session:
         done = not (self.part or self.interrupted or self.project.problems)
         return memory.keep(self.project.root, self.results, self.sections if done else ())
 
+    def _close(self) -> None:
+        """Put the verdicts of claims to the campaigns that name them; of an earlier run too, if nothing has changed."""
+        if not any(entry.get("closure") for entry in self.results.get("campaigns", ())):
+            return
+        kept = {} if self.args.settings else memory.last(self.project.root)
+        same = kept.get("models") == self.results["models"]
+        known = merge(kept, self.results) if same else self.results
+        campaigns = self.results["campaigns"]
+        self.results["campaigns"] = [settled(entry, known) if entry.get("closure") else entry for entry in campaigns]
+
     def _end(self, screen: Screen) -> int:
         """Keep and show what was found; the exit code."""
         problems, args = self.project.problems, self.args
         if problems:
             self.results["limits"] = [f"left out: {each.file}:{each.line}: {each.message}" for each in problems]
-        for place, entry in enumerate(self.results.get("campaigns", ())):
-            if entry.get("closure"):
-                self.results["campaigns"][place] = settled(entry, self.results)
+        self._close()
         warning = self._keep()
         if self.earlier and not problems:
             self.earlier.keep(self.results)

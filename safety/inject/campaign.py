@@ -114,7 +114,7 @@ class Campaign:
         for name in (n for row in (self.expect, *(g.expect for g in self._groups())) for n in row or ()):
             if name not in (*CLASSES, *CELLS):
                 raise CampaignError(f"{self.id}: expect names {name!r}; {nearest(name, (*CLASSES, *CELLS))}")
-        self._engines: dict[int, tuple[Engine, str]] = {}
+        self._engines: dict[int, Engine] = {}
         self.tick: Callable[[float], None] = lambda share: None  # told how much of a batch is done
         register(self)
 
@@ -214,17 +214,17 @@ class Campaign:
         """What runs the injections of a scenario; the last one asked for is kept."""
         if scenario not in self._engines:
             self._engines = {scenario: engine_for(self.variant(scenario).task, self.engine)}
-        return self._engines[scenario][0]
+        return self._engines[scenario]
 
     @property
     def engine_used(self) -> str | None:
         """Name of the engine that ran last in this process; None where none did."""
-        return next((engine.name for engine, _ in self._engines.values()), None)
+        return next((engine.name for engine in self._engines.values()), None)
 
     @property
     def engine_note(self) -> str:
         """Why that is not the native one, or nothing."""
-        return next((note for _, note in self._engines.values()), "")
+        return next((engine.note for engine in self._engines.values()), "")
 
     # --- doing it ----------------------------------------------------------------------------------------------------
 

@@ -100,6 +100,10 @@ class Engine(Protocol):
         """What it is called: "native" or "lanes"."""
 
     @property
+    def note(self) -> str:
+        """Why it is not the native one, where that was looked for; else nothing."""
+
+    @property
     def golden(self) -> Outcome:
         """The fault-free run, as an outcome of one run.
 
@@ -110,24 +114,71 @@ class Engine(Protocol):
         """Run a batch; the order of its columns is free, and kept."""
 
 
-def engine_for(task: Task, name: str = AUTO) -> tuple[Engine, str]:
-    """The engine of a name, and why it is not the native one where "auto" does not take that.
+class AutoEngine:
+    """The native engine, or the NumPy lanes from where on that is not there or does not take the model or a fault.
 
-    "auto" is the native engine, or the NumPy lanes where the model does not fit it or it is not there.  Raises
-    `TermError` when "native" is asked for and the model does not fit, `ImportError` when it is not there, `ModelError`
-    for an unknown name.
+    A fault that is built in is compiled with the first batch that has it, so this may come late; what was run before
+    stands, for the outcome is the same.  `tick` is that of the lanes.
     """
-    from safety.inject.lanes import LaneEngine
 
+    def __init__(self, task: Task) -> None:
+        self.task, self.note = task, ""
+        self.tick: Callable[[float], None] = lambda share: None
+        self._engine: Engine
+        try:
+            from safety.inject.native import NativeEngine
+
+            self._engine = NativeEngine(task)
+        except (ImportError, TermError) as reason:
+            self._take_lanes(reason)
+
+    @property
+    def name(self) -> str:
+        """That of the engine in use."""
+        return self._engine.name
+
+    @property
+    def golden(self) -> Outcome:
+        """The fault-free run; see `Engine`."""
+        return self._asked(lambda engine: engine.golden)
+
+    def run(self, batch: Batch) -> Outcome:
+        """Run a batch; see `Engine`."""
+        return self._asked(lambda engine: engine.run(batch))
+
+    def _asked(self, question: Callable[[Engine], Outcome]) -> Outcome:
+        try:
+            return question(self._engine)
+        except TermError as reason:
+            if self.note:
+                raise
+            self._take_lanes(reason)
+            return question(self._engine)
+
+    def _take_lanes(self, reason: Exception) -> None:
+        from safety.inject.lanes import LaneEngine
+
+        lanes = LaneEngine(self.task)
+        lanes.tick = lambda share: self.tick(share)
+        self.note = f"NumPy lanes, for the native engine does not take it: {reason}"
+        self._engine = lanes
+
+
+def engine_for(task: Task, name: str = AUTO) -> Engine:
+    """The engine of a name.
+
+    "auto" is the native engine, or the NumPy lanes where the model or a fault does not fit it or it is not there.
+    Raises `TermError` when "native" is asked for and the model does not fit, `ImportError` when it is not there,
+    `ModelError` for an unknown name.
+    """
     if name not in ENGINES:
         raise ModelError(f"engine {name!r}; {nearest(name, ENGINES)}")
+    if name == AUTO:
+        return AutoEngine(task)
     if name == LANES:
-        return LaneEngine(task), ""
-    try:
-        from safety.inject.native import NativeEngine
+        from safety.inject.lanes import LaneEngine
 
-        return NativeEngine(task), ""
-    except (ImportError, TermError) as reason:
-        if name == NATIVE:
-            raise
-        return LaneEngine(task), f"NumPy lanes, for the native engine does not take it: {reason}"
+        return LaneEngine(task)
+    from safety.inject.native import NativeEngine
+
+    return NativeEngine(task)

@@ -41,6 +41,8 @@ def enumerate_space(
     singles = tuple(fault for _, fault in of_group)
     _refuse_repeats([group.name for group in groups], "group")
     _refuse_repeats([identify(fault) for fault in singles], "fault")
+    if order > 1:
+        _refuse_ambiguous([identify(fault) for fault in singles])
     _check_onsets(singles, onsets, length)
     whole = Space(
         tuple(groups), singles, tuple(k for k, _ in of_group), order, onsets, length, scenarios, None,
@@ -131,6 +133,8 @@ def _check_onsets(singles: Sequence[Fault], onsets: range | None, length: int | 
         if length is not None:
             raise CampaignError(f"length={length} goes with onsets; without them each fault has its own schedule")
         return
+    if not isinstance(onsets, range) or (length is not None and type(length) is not int):
+        raise CampaignError(f"onsets={onsets!r}, length={length!r}: write range(first, end, step) and a whole number")
     if not onsets or onsets.step < 1 or (length is not None and length < 1):
         raise CampaignError(f"onsets={onsets}, length={length}: name steps in ascending order, and a length from 1 up")
     for fault in singles:
@@ -148,3 +152,25 @@ def _refuse_repeats(names: Sequence[str], what: str) -> None:
                 f"{what} {name!r} is there twice: leave one out or give it a name of its own (Fault(..., name=...))"
             )
         seen.add(name)
+
+
+def _refuse_ambiguous(names: Sequence[str]) -> None:
+    """Two lists of names give one id where one goes on after a name of the other, and that ends with one of the first.
+
+    So ` & ` within a name is fine unless both are there: `a`, `b & c` and `a & b`, `c` would both be `a & b & c`.
+    """
+    whole = set(names)
+    parts = {name: name.split(JOINT) for name in names if JOINT in name}
+    longer = [
+        (name, first)
+        for name, given in parts.items()
+        for first in (_without_onset(JOINT.join(given[:k]))[0] for k in range(1, len(given)))
+        if first in whole
+    ]
+    ends = any(JOINT.join(given[k:]) in whole for given in parts.values() for k in range(1, len(given)))
+    if longer and ends:
+        name, first = longer[0]
+        raise CampaignError(
+            f"fault {name!r} begins with the name of fault {first!r}, so that ids of pairs could mean two; "
+            "give it another name (Fault(..., name=...))"
+        )

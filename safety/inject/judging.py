@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from safety.inject.classes import CELLS, NO_EFFECT, Counts, came, cell, cells_of
-from safety.inject.engine import NEVER, NONE, Batch, Outcome
+from safety.inject.engine import NEVER, NONE, AutoEngine, Batch, Outcome
 from safety.inject.lanes import LaneEngine
 from safety.inject.monitors import observed
 from safety.inject.space import CampaignError
@@ -161,7 +161,7 @@ def _run(campaign: Campaign, scenario: int, batch: Batch, onset: Any) -> Judged:
     Raises `CampaignError` when the fault-free run is judged faulty.
     """
     engine = campaign.engine_of(scenario)
-    if isinstance(engine, LaneEngine):
+    if isinstance(engine, LaneEngine | AutoEngine):
         engine.tick = campaign.tick
     outcome = engine.run(batch) if batch.runs else None
     golden = engine.golden  # judged even where nothing is run, and cheapest after a run

@@ -3,8 +3,9 @@
     found = mission(campaign, {"channel a": "1e-4", "channel b": "1e-4", "supply": "1e-6"}, runs=10_000,
                     stratum=lambda faulty: len({name for name in faulty if name.startswith("channel")}))
 
-Each group has a fault during the mission with its probability, independently [A]: one of its faults, at one of the
-frames, all alike.  Plain sampling would hardly ever draw two.  So the missions are divided into strata by `stratum`, a
+A mission is the measured frames of the campaign: the hazard counts in these only, so faults begin in these only.  Each
+group has a fault during the mission with its probability, independently [A]: one of its faults, at one of the frames
+of the mission, all alike.  Plain sampling would hardly ever draw two.  So the missions are divided into strata by `stratum`, a
 function of which groups are faulty (how many, unless given otherwise: how many channels, which of them), and each
 stratum is tried as often as the others and weighs its exact probability.  A stratum left out counts as dangerous.
 """
@@ -62,7 +63,7 @@ def mission(
     """Estimate it with `runs` missions a stratum, or so many of each (0: left out), with bounds valid for all at once.
 
     `chances`: probability of a fault in each group of the campaign (16 groups at most) during the mission, which is the
-    whole run of the campaign; faults last `length` steps, as those of the campaign, or stay.  Raises `CampaignError`
+    measured frames of the campaign; faults last `length` steps, as those of the campaign, or stay.  Raises `CampaignError`
     for a group that is missing or unknown, a chance that is none, drawn scenarios, a fault-free run that is judged
     faulty, and runs for no stratum or an unknown one.
     """
@@ -119,7 +120,7 @@ def _tried(
 
 
 def _batch(campaign: Campaign, missions: list[Faulty], rng: np.random.Generator) -> Batch:
-    """For each mission one fault of each faulty group, at a frame of its own; the rows in the order of the groups."""
+    """For each mission one fault of each faulty group, at a measured frame of its own; rows in the order of the groups."""
     import numpy as np
 
     space, timing = campaign.space, campaign.timing
@@ -131,7 +132,7 @@ def _batch(campaign: Campaign, missions: list[Faulty], rng: np.random.Generator)
         there = np.array([group.name in faulty for faulty in missions])
         own = np.flatnonzero(of_group == row)
         atoms[row, there] = own[rng.integers(len(own), size=int(there.sum()))]
-        first[row] = np.where(there, rng.integers(timing.frames, size=len(missions)) * timing.steps, 0)
+        first[row] = np.where(there, rng.integers(timing.run_in, timing.frames, size=len(missions)) * timing.steps, 0)
         end[row] = np.where(there, np.minimum(first[row].astype(np.int64) + length, NEVER), 0)
     order = np.argsort(atoms == NONE, axis=0, kind="stable")[: max(1, *map(len, missions))]
     return Batch(*(np.take_along_axis(array, order, axis=0) for array in (atoms, first, end)))

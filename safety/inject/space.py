@@ -55,13 +55,20 @@ class Group:
     drawn: int | None = None
 
     def __post_init__(self) -> None:
+        if self.drawn is not None and (type(self.drawn) is not int or self.drawn < 1):
+            raise CampaignError(f"group {self.name!r}: drawn={self.drawn!r}; draw 1 fault or more, or leave it out")
         if self.rate_per_h is None:
             return
         if isinstance(self.rate_per_h, float):
             raise CampaignError(
                 f"group {self.name!r}: rate {self.rate_per_h} is a float; write it in quotes, so that it stays exact"
             )
-        object.__setattr__(self, "rate_per_h", Fraction(self.rate_per_h))
+        try:
+            object.__setattr__(self, "rate_per_h", Fraction(self.rate_per_h))
+        except (ValueError, TypeError, ZeroDivisionError):
+            raise CampaignError(
+                f"group {self.name!r}: rate {self.rate_per_h!r} is no number; write e.g. '6.4e-8' or '1/1000000'"
+            ) from None
         if self.source[:3] not in ("[P]", "[D]", "[A]", "[R]"):
             raise CampaignError(f"group {self.name!r}: rate source {self.source!r}; start it with [P], [D], [A] or [R]")
 

@@ -83,7 +83,9 @@ def intermittent(kind: Kind, acts: int, of: int) -> Kind:
         raise ModelError(f"intermittent(..., {acts}, {of!r}): it acts in {acts} of more than {acts} steps")
 
     def gate(seat: Seat) -> Bit:
-        turn = cast(UInt, seat.register(f"duty{of}", uint((of - 1).bit_length()), 0))
+        around = sum(s.path.startswith(f"{seat.name}.duty") for s in seat.states)  # duties that this one is within
+        label = f"duty{of}.{around}" if around else f"duty{of}"
+        turn = cast(UInt, seat.register(label, uint((of - 1).bit_length()), 0))
         seat.then(turn, select(seat.active, select(turn == of - 1, 0, (turn + 1).low(turn.width)), 0))
         return turn < acts
 

@@ -131,8 +131,8 @@ def _counts(results: Mapping[str, Any]) -> Iterator[Line]:
         parts = (campaign.get("closure") or {}).get("parts")
         if parts:
             told = ", ".join(f"{part['faults']} {name}" for name, part in parts.items())
-            left = f"; no result of {', '.join(campaign['closure']['open'])}" if campaign["closure"]["open"] else ""
-            yield Line(_fit(f"    single faults by what settles them: {told}{left}"))
+            yield Line(_fit(f"    single faults by what settles them: {told}"))
+            yield from (Line(_fit(f"    does not count: {text}")) for text in campaign["closure"]["open"])
         baseline = campaign.get("baseline") or {}
         if baseline.get("better"):
             yield Line(_flat(f"    better than {baseline['file']}: {'; '.join(baseline['better'])}"), "green")

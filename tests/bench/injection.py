@@ -105,7 +105,7 @@ def agree(folder: Path, runs: int = 1000) -> int:
         "native": lambda: NativeEngine(task),
         "native, nothing left out": lambda: NativeEngine(task, prune=False),
         "native, AVX2": lambda: NativeEngine(task, target=AVX2),
-        "NumPy lanes": lambda: engine_for(task, LANES)[0],
+        "NumPy lanes": lambda: engine_for(task, LANES),
         **{
             f"C {wires}, {compiler}": partial(VectorC, task, folder, compiler, WIDE, wires, lanes, rows=3)
             for compiler in ("g++", "clang++")
@@ -128,7 +128,7 @@ def rate(folder: Path) -> int:
         Contestant("native, pruned", NativeEngine(task), faults),
         Contestant("native", NativeEngine(task, prune=False), faults),
         Contestant("native, AVX2", NativeEngine(task, prune=False, target=AVX2), faults),
-        Contestant("NumPy lanes", engine_for(task, LANES)[0], few),
+        Contestant("NumPy lanes", engine_for(task, LANES), few),
         *(
             Contestant(f"C {wires}, {compiler}{', AVX2' if flags is NARROW else ''}",
                        VectorC(task, folder, compiler, flags, wires, lanes), faults)

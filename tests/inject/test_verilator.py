@@ -33,7 +33,7 @@ def task() -> Task:
 
 @pytest.fixture(scope="module")
 def ours(task: Task) -> Engine:
-    return engine_for(task, AUTO)[0]
+    return engine_for(task, AUTO)
 
 
 @pytest.mark.slow
@@ -99,11 +99,11 @@ def test_registers_that_exchange_their_values_in_verilator(exchange: Task, tmp_p
     batch = at_random(exchange, 200, seed=4, most=2)
     expected = Python(exchange).run(batch)
     assert same(Verilator(exchange, tmp_path).run(batch), expected)
-    assert same(engine_for(exchange)[0].run(batch), expected)
+    assert same(engine_for(exchange).run(batch), expected)
 
 
 def test_the_second_of_the_benchmark_brakes_at_its_end() -> None:
     task = one_second()
-    stops = engine_for(replace(task, timing=Timing(2500, 5500, 500, 1)))[0].golden.counts["observed braked"][:, 0]
+    stops = engine_for(replace(task, timing=Timing(2500, 5500, 500, 1))).golden.counts["observed braked"][:, 0]
     assert stops[0] == 0 and stops[-1] == 500
     assert all(a <= b for a, b in pairwise(stops.tolist()))
