@@ -15,7 +15,8 @@ class Writer:
     """LLVM text of a function's body, instruction by instruction; `names` says how each term written is called."""
 
     def __init__(self, target: Target) -> None:
-        self.lanes, self.packed = target.lanes, target.packed
+        self.lanes, self.packed, self.sliced = target.lanes, target.packed, target.sliced
+        self.ternary = target.ternary
         self.lines: list[str] = []
         self.names: dict[int, str] = {}
         self.intrinsics: set[str] = set()
@@ -63,7 +64,7 @@ class Writer:
         )
 
 
-ATTRIBUTES = 'nounwind "prefer-vector-width"="512" "min-legal-vector-width"="512"'
+ATTRIBUTES = 'nounwind "prefer-vector-width"="512" "min-legal-vector-width"="512" alignstack(64)'
 
 
 def native_source(inputs: Sequence[Term], outputs: Sequence[Term], target: Target) -> str:

@@ -8,7 +8,7 @@ What is counted is the difference from the fault-free run, so a step left out co
 
 from __future__ import annotations
 
-from safety.inject.native.kernel import WORD, Kernel
+from safety.inject.native.kernel import Kernel
 from safety.inject.native.routine import Routine
 
 NEVER = 2**31 - 1
@@ -28,7 +28,7 @@ NUMBERS = {"groups", "going_on", "start", "stop", "wide", "prune", "columns", "b
 # where it has none; entry: where each atom's entries begin, and the last's end; passing: `taps` without faults;
 # counts: (wires, blocks, columns) of int32 and came: (watched, columns), both to be added to.
 
-ENTRY = ("keep", "turn", "keep_at", "turn_at", "size")  # an atom at a point, 8 bytes each; masks and where they go
+ENTRY = ("keep", "turn", "keep_at", "turn_at", "size", "flag")  # an atom at a point, 8 bytes each; masks and where they go
 PACKED = 0  # a size: the lanes are the bits of one number
 SUM = 2  # bytes of a lane's count before it goes out
 
@@ -97,7 +97,7 @@ class Driver:
         self.counted.set(0)
         for i, missed in enumerate(self.missed):
             missed.set(NEVER)
-            k.store("i64", 0, self.given["ever"], i * WORD)
+            k.store(k.number, "zeroinitializer" if k.sliced else 0, self.given["ever"], i * self.kernel.word)
         self.active.set(0)
         self.now.set(0)
         self.next.set(0)
@@ -144,12 +144,12 @@ class Driver:
 
     def _compare(self) -> None:
         """Leap when all lanes are as the fault-free run is; else wait twice as long."""
-        k, kind = self.k, f"i{self.k.lanes}"
+        k, kind = self.k, self.k.number
         apart = k.op(f"call {kind} @diverged(ptr {self.before.value}, ptr {self._row()})")
         self.check.set(k.op(f"add i64 {self.now.value}, {self.gap.value}"))
         longer = k.op(f"shl i64 {self.gap.value}, 1")
         self.gap.set(k.op(f"select i1 {k.is_('sgt', 'i64', longer, SELDOM)}, i64 {SELDOM}, i64 {longer}"))
-        with k.when(k.is_("eq", kind, apart, 0)):
+        with k.when(k.op(f"xor i1 {k.some(apart)}, true")):
             self._flush()
             self._leap()
             self._restore()
@@ -178,16 +178,16 @@ class Driver:
 
     def _finish(self, group: str) -> None:
         """Masks away, counts and lanes out."""
-        k, kind = self.k, f"i{self.k.lanes}"
+        k, kind = self.k, self.k.number
         self._flush()
         with k.when(k.is_("ne", "ptr", self.given["after"], "null")):
             k.run("@give", f"ptr {self.before.value}", f"ptr {self._kept('after')}")
             apart = k.op(f"call {kind} @diverged(ptr {self.before.value}, ptr {self._row()})")
-            apart = apart if kind == "i64" else k.op(f"zext {kind} {apart} to i64")
-            k.store("i64", apart, k.element(self.given["apart"], "i64", group), align=8)
+            place = k.at(self.given["apart"], k.op(f"mul i64 {group}, {self.kernel.word}"))
+            k.store(kind, apart, place, align=8)
         with k.when(k.is_("ne", "i64", self.active.value, 0)):
             k.intrinsics.add("declare void @llvm.memcpy.p0.p0.i64(ptr, ptr, i64, i1)")
-            whole = f"ptr {self.given['taps']}, ptr {self.given['passing']}, i64 {self.kernel.taps.size}"
+            whole = f"ptr {self.given['taps']}, ptr {self.given['passing']}, i64 {self.kernel.taps_size}"
             k.lines.append(f"call void @llvm.memcpy.p0.p0.i64({whole}, i1 false)")
         for i, missed in enumerate(self.missed):
             with k.when(k.is_("ne", "i32", missed.value, NEVER)), k.each(0, k.lanes) as lane:
@@ -197,45 +197,60 @@ class Driver:
 
     def _tally(self, row: str) -> None:
         """At the end of a frame: where an observed wire is not as in the fault-free run, and where first true."""
-        k, kind = self.k, f"i{self.k.lanes}"
+        k, kind, kernel = self.k, self.k.number, self.kernel
         self.block.set(k.op(f"sext i32 {self._field(row, 'block')} to i64"))
-        for i in range(len(self.kernel.wires)):
-            seen = k.load(kind, self.given["seen"], i * WORD)
-            golden = k.op(f"trunc i8 {k.load('i8', row, self.kernel.row.offset(f'wire{i}'))} to i1")
-            if i in self.kernel.counted:
-                other = k.op(f"xor {kind} {seen}, {k.op(f'sext i1 {golden} to {kind}')}")
-                with k.when(k.is_("ne", kind, other, 0)):
+        for i in range(len(kernel.wires)):
+            seen = k.load(kind, self.given["seen"], i * kernel.word, align=8)
+            golden = k.op(f"trunc i8 {k.load('i8', row, kernel.row.offset(f'wire{i}'))} to i1")
+            if i in kernel.counted:
+                other = k.op(f"xor {kind} {seen}, {k.all_of(golden)}")
+                with k.when(k.some(other)):
                     self._count(i, other, k.op(f"select i1 {golden}, i16 -1, i16 1"))
-            if i < self.kernel.watched:
-                ever = k.load(kind, self.given["ever"], i * WORD)
-                new = k.op(f"and {kind} {seen}, {k.op(f'xor {kind} {ever}, -1')}")
-                with k.when(k.is_("ne", kind, new, 0)):
-                    k.store(kind, k.op(f"or {kind} {ever}, {new}"), self.given["ever"], i * WORD)
+            if i < kernel.watched:
+                ever = k.load(kind, self.given["ever"], i * kernel.word, align=8)
+                new = k.op(f"and {kind} {seen}, {k.inverted(ever)}")
+                with k.when(k.some(new)):
+                    k.store(kind, k.op(f"or {kind} {ever}, {new}"), self.given["ever"], i * kernel.word, align=8)
                     with k.each_bit(new) as lane:
                         self._came(i, lane, self._field(row, "frame"))
 
+    def _sums(self, wire: int, first: str) -> str:
+        """Where the counts of a word of lanes are."""
+        k = self.k
+        place = k.at(self.given["sums"], self.kernel.counted.index(wire) * SUM * k.lanes)
+        return k.element(place, "i16", first)
+
     def _count(self, wire: int, lanes: str, more: str) -> None:
         """Add to the counts of some lanes."""
-        k, kind = self.k, f"<{self.k.lanes} x i16>"
-        place = self.kernel.counted.index(wire) * SUM * k.lanes
-        chosen = k.op(f"bitcast i{k.lanes} {lanes} to <{k.lanes} x i1>")
-        step = k.op(f"select <{k.lanes} x i1> {chosen}, {kind} {k.spread('i16', more)}, {kind} zeroinitializer")
-        k.store(kind, k.op(f"add {kind} {k.load(kind, self.given['sums'], place)}, {step}"), self.given["sums"], place)
+        k = self.k
+        many = min(k.lanes, 64)
+        kind = f"<{many} x i16>"
+        first = k.op(f"insertelement {kind} poison, i16 {more}, i64 0")
+        each = k.op(f"shufflevector {kind} {first}, {kind} poison, <{many} x i32> zeroinitializer")
+        with k.each_word(lanes) as (lane, word):
+            place = self._sums(wire, lane)
+            chosen = k.op(f"bitcast {k.word} {word} to <{many} x i1>")
+            step = k.op(f"select <{many} x i1> {chosen}, {kind} {each}, {kind} zeroinitializer")
+            k.store(kind, k.op(f"add {kind} {k.load(kind, place)}, {step}"), place)
 
     def _flush(self) -> None:
         """The counts of this block go out, where there are any."""
-        k, kind, blocks, columns = self.k, f"<{self.k.lanes} x i16>", self.given["blocks"], self.given["columns"]
+        k, blocks, columns = self.k, self.given["blocks"], self.given["columns"]
+        many = min(k.lanes, 64)
+        kind = f"<{many} x i16>"
         self.counted.set(0)
-        for position in range(len(self.kernel.counted)):
-            sums = k.at(self.given["sums"], position * SUM * k.lanes)
-            some = k.op(f"icmp ne {kind} {k.load(kind, sums)}, zeroinitializer")
-            with k.each_bit(k.op(f"bitcast <{k.lanes} x i1> {some} to i{k.lanes}")) as lane:
-                block = k.op(f"add i64 {k.op(f'mul i64 {blocks}, {position}')}, {self.block.value}")
-                index = k.op(f"add i64 {k.op(f'mul i64 {block}, {columns}')}, {self._column(lane)}")
-                place, own = k.element(self.given["counts"], "i32", index), k.element(sums, "i16", lane)
-                more = k.op(f"sext i16 {k.load('i16', own, align=2)} to i32")
-                k.store("i32", k.op(f"add i32 {k.load('i32', place, align=4)}, {more}"), place, align=4)
-                k.store("i16", 0, own, align=2)
+        for position, wire in enumerate(self.kernel.counted):
+            with k.each(0, k.lanes // many) as word:
+                first = k.op(f"mul i64 {word}, {many}")
+                some = k.op(f"icmp ne {kind} {k.load(kind, self._sums(wire, first))}, zeroinitializer")
+                with k._each_of(k.op(f"bitcast <{many} x i1> {some} to {k.word}")) as place:
+                    lane = k.op(f"add i64 {first}, {place}")
+                    block = k.op(f"add i64 {k.op(f'mul i64 {blocks}, {position}')}, {self.block.value}")
+                    index = k.op(f"add i64 {k.op(f'mul i64 {block}, {columns}')}, {self._column(lane)}")
+                    place, own = k.element(self.given["counts"], "i32", index), self._sums(wire, lane)
+                    more = k.op(f"sext i16 {k.load('i16', own, align=2)} to i32")
+                    k.store("i32", k.op(f"add i32 {k.load('i32', place, align=4)}, {more}"), place, align=4)
+                    k.store("i16", 0, own, align=2)
 
     def _came(self, wire: int, lane: str, frame: str) -> None:
         """A watched wire is true at a frame's end: keep the first."""
@@ -291,12 +306,38 @@ class Driver:
 
 def masking(kernel: Kernel) -> list[Routine]:
     """`mask(taps, entry, lane)`: an atom's mask on what is there already; `pass(...)`: none any more."""
-    return [_masking(kernel, "mask"), _masking(kernel, "pass")]
+    write = _masking_planes if kernel.target.sliced else _masking
+    return [write(kernel, "mask"), write(kernel, "pass")]
+
+
+def _masking_planes(kernel: Kernel, name: str) -> Routine:
+    k = Routine(kernel.target, name, ["ptr %taps", "ptr %entry", "i64 %lane"])
+    keep, turn, keep_at, turn_at, size, flag = (k.load("i64", "%entry", 8 * i, align=8) for i in range(len(ENTRY)))
+    byte = k.op("lshr i64 %lane, 3")
+    shift = k.op(f"trunc i64 {k.op('and i64 %lane, 7')} to i8")
+    own = k.op(f"shl i8 1, {shift}")
+    others = k.op(f"xor i8 {own}, -1")
+    k.store("i8", 1, k.at("%taps", flag))
+    with k.each(0, size) as i:
+        behind = k.op(f"add i64 {byte}, {k.op(f'mul i64 {i}, {k.lanes // 8}')}")
+        places = [k.at(k.at("%taps", at), behind) for at in (keep_at, turn_at)]
+        held, turned = (k.load("i8", place) for place in places)
+        if name == "pass":
+            held, turned = k.op(f"or i8 {held}, {own}"), k.op(f"and i8 {turned}, {others}")
+        else:
+            bits = [k.op(f"trunc i64 {k.op(f'lshr i64 {x}, {i}')} to i1") for x in (keep, turn)]
+            k_ = k.op(f"select i1 {bits[0]}, i8 -1, i8 {others}")
+            t_ = k.op(f"select i1 {bits[1]}, i8 {own}, i8 0")
+            held = k.op(f"and i8 {held}, {k_}")
+            turned = k.op(f"xor i8 {k.op(f'and i8 {turned}, {k_}')}, {t_}")
+        k.store("i8", held, places[0])
+        k.store("i8", turned, places[1])
+    return k
 
 
 def _masking(kernel: Kernel, name: str) -> Routine:
     k = Routine(kernel.target, name, ["ptr %taps", "ptr %entry", "i64 %lane"])
-    keep, turn, keep_at, turn_at, size = (k.load("i64", "%entry", 8 * i, align=8) for i in range(len(ENTRY)))
+    keep, turn, keep_at, turn_at, size = (k.load("i64", "%entry", 8 * i, align=8) for i in range(5))
     keep_place, turn_place = k.at("%taps", keep_at), k.at("%taps", turn_at)
     sizes = [(b, f"i{8 * b}") for b in (1, 2, 4, 8)] + ([(PACKED, f"i{k.lanes}")] if kernel.target.packed else [])
     for number, kind in sizes:
@@ -332,7 +373,7 @@ def recorder(kernel: Kernel) -> Routine:
         k.run("@record", f"ptr {before.value}", f"ptr {row}")
         k.run("@healthy", f"ptr {before.value}", f"ptr {after.value}", f"ptr {row}", "ptr %seen")
         for i in range(len(kernel.wires)):
-            k.store("i8", k.op(f"and i8 {k.load('i8', '%seen', i * WORD)}, 1"), row, kernel.row.offset(f"wire{i}"))
+            k.store("i8", k.op(f"and i8 {k.load('i8', '%seen', i * kernel.word)}, 1"), row, kernel.row.offset(f"wire{i}"))
         x = before.value
         before.set(after.value)
         after.set(x)

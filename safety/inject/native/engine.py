@@ -38,8 +38,10 @@ class NativeEngine:
 
     name = "native"
 
-    def __init__(self, task: Task, *, prune: bool = True, target: Target | None = None) -> None:
+    def __init__(self, task: Task, *, prune: bool = True, target: Target | None = None, form: str = "sliced") -> None:
         self.task, self.prune, self.target = task, prune, target or host()
+        if form == "sliced":
+            self.target = self.target.in_slices()
         self._masks = [masks(task.system, atom) for atom in task.atoms]
         self._points = tuple(dict.fromkeys(point for found in self._masks for point in found or ()))
         self._excitations: dict[int, Excitation] = {}

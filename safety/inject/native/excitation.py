@@ -73,12 +73,12 @@ class Excitation:
         total = len(self.program.rows) - 1
         kept = np.repeat(self._before[None], runs, axis=0)
         records = self.program.stretch(batch, self.first, total, kept=kept, keep=True).records
-        fields = np.ascontiguousarray(records).view(self.program.kernel.kept.type)[:, 0]
-        place = {str(s.path): f"v{i}" for i, s in enumerate(self.program.kernel.registers)}
+        kernel = self.program.kernel
+        place = {str(s.path): i for i, s in enumerate(kernel.registers)}
         found = np.zeros((runs, len(self.masks) + 1), np.bool_)
         for atom, masks in enumerate(self.masks):
             for point, mask in masks.items():
-                ones, zeros = (fields[place[point + which]] for which in (ONES, ZEROS))
+                ones, zeros = (kernel.from_records(records, place[point + which]) for which in (ONES, ZEROS))
                 full = int(self.program.task.system.points[point].sort.bounds[1])
                 low, high, turned = full & ~mask.keep & ~mask.turn, full & ~mask.keep & mask.turn, mask.keep & mask.turn
                 found[:, atom] |= ((ones & low) | (zeros & high)) != 0 if not turned else True
@@ -89,12 +89,7 @@ class Excitation:
     @cached_property
     def _before(self) -> Array:
         """The fault-free lane when the faults begin, nothing shown yet."""
-        kept = self.program.kept(self.first)
-        fields = kept.view(self.program.kernel.kept.type)
-        for i, s in enumerate(self.program.kernel.registers):
-            if s.path.endswith((ONES, ZEROS)):
-                fields[f"v{i}"] = 0
-        return kept
+        return self.program.kept(self.first, blank=lambda path: path.endswith((ONES, ZEROS)))
 
     @cached_property
     def _share(self) -> Array:

@@ -8,9 +8,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
+from typing import TYPE_CHECKING, Any
 
 from safety.inject.kernel import live_states
-from safety.inject.native.layout import Block, Row
+from safety.inject.native.layout import LINE, Block, Row
 from safety.inject.native.routine import Routine
 from safety.inject.native.tapped import Tapped
 from safety.system import State, System
@@ -19,7 +20,11 @@ from safety.terms.graph import BIT, Term, variable, variables
 from safety.terms.llvm import Target
 from safety.terms.native import bytes_of
 
-WORD = 8  # bytes of an observed wire of all lanes, as a whole number
+if TYPE_CHECKING:
+    import numpy.typing as npt
+
+    Array = npt.NDArray[Any]
+
 STEP = ("ptr noalias %before", "ptr noalias %after", "ptr noalias %row", "ptr noalias %seen")
 UNUSED = variable("unused", BIT)  # a place among the taps for what a switch has no use for
 
@@ -64,6 +69,21 @@ class Kernel:
         """The fault-free run as this kernel reads it."""
         return Row([*(s.var for s in self.registers), *self.inputs.values()], self.watched, len(self.wires))
 
+    @property
+    def word(self) -> int:
+        """Bytes of an observed wire of all lanes."""
+        return max(self.target.lanes // 8, 8)
+
+    @cached_property
+    def flags(self) -> Mapping[str, int]:
+        """Where, among the taps, it stands whether a point has a fault in some lane; the last is for no point."""
+        return {point: self.taps.size + i for i, point in enumerate([*self.tapped.masks, ""])}
+
+    @property
+    def taps_size(self) -> int:
+        """Bytes of the taps with the flags, in whole lines."""
+        return -(-(self.taps.size + len(self.flags)) // LINE) * LINE
+
     @cached_property
     def inputs(self) -> Mapping[str, Term]:
         """The inputs that these registers, what is observed or an assumption depend on."""
@@ -94,7 +114,7 @@ class Kernel:
             k.store_lanes(s.var, k.of(following), "%after", self.state.offsets[s.var.uid])
         for i, wire in enumerate(self.wires):
             k.write([system.lookup(wire)])
-            k.store(f"i{k.lanes}", k.as_number(k.of(system.lookup(wire))), "%seen", i * WORD)
+            k.store(f"i{k.lanes}", k.as_number(k.of(system.lookup(wire))), "%seen", i * self.word)
         return k
 
     def restore(self) -> Routine:
@@ -106,14 +126,14 @@ class Kernel:
 
     def diverged(self) -> Routine:
         """`diverged(state, row)`: the lanes that are not as the fault-free run is."""
-        k = Routine(self.target, "diverged", ["ptr noalias %state", "ptr noalias %row"], f"i{self.target.lanes}")
+        k = Routine(self.target, "diverged", ["ptr noalias %state", "ptr noalias %row"], Routine.number_of(self.target))
         apart: dict[str, str] = {}  # what differs, collected by type
         for s in self.registers:
             kind = lane_vector(k, s.var)
             now = k.load_lanes(s.var, "%state", self.state.offsets[s.var.uid])
             other = k.op(f"xor {kind} {now}, {self._golden(k, s)}")
             apart[kind] = k.op(f"or {kind} {apart[kind]}, {other}") if kind in apart else other
-        total, whole = "0", f"i{k.lanes}"
+        total, whole = "0", k.number
         for kind, other in apart.items():
             if kind == bit_type(k):
                 lanes = k.as_number(other)
@@ -126,10 +146,33 @@ class Kernel:
     def _golden(self, k: Routine, s: State) -> str:
         return k.load_spread(s.var, "%row", self.row.places[s.var.uid])
 
+    # --- the registers of one lane as a record, in words of 64 bits ---------------------------------------------------
+
     @cached_property
     def kept(self) -> Row:
-        """The registers of one lane as a record."""
+        """What stands where in a record."""
         return Row([s.var for s in self.registers], 0, 0)
+
+    @property
+    def words(self) -> int:
+        """Words of a record."""
+        return int(self.kept.type.itemsize) // 8
+
+    def to_record(self, values: Sequence[int]) -> Array:
+        """A record of values of the registers, in their order."""
+        import numpy as np
+
+        record = np.zeros(1, self.kept.type)
+        for i, (s, value) in enumerate(zip(self.registers, values, strict=True)):
+            bytes_ = s.var.sort == BIT and not self.target.packed
+            record[f"v{i}"] = value * (255 if bytes_ else 1)
+        return record.view(np.uint64)
+
+    def from_records(self, records: Array, register: int) -> Array:
+        """What a register, by its number, holds in each record."""
+        import numpy as np
+
+        return np.ascontiguousarray(records).view(self.kept.type)[:, 0][f"v{register}"]
 
     def give(self) -> Routine:
         """`give(state, records)`: every lane as a record."""
@@ -168,6 +211,10 @@ class Kernel:
             bit = k.load("i8", record)
             bit = k.op(f"shl {kind} {k.op(f'zext i8 {bit} to {kind}')}, {shift}")
             k.store(kind, k.op(f"or {kind} {others}, {bit}"), place)
+
+    def helpers(self) -> list[Routine]:
+        """Functions that these call."""
+        return []
 
     def record(self) -> Routine:
         """`record(state, row)`: the first lane as the fault-free run."""

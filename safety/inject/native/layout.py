@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
+from safety.terms.column_bits import size_of
 from safety.terms.graph import BIT, Term
 from safety.terms.llvm import Target
 from safety.terms.native import bytes_of, native_type
@@ -37,11 +38,14 @@ class Block:
     def size(self) -> int:
         """Bytes of the block, in whole lines."""
         end = max((self.offsets[t.uid] + lane_bytes(t, self.target) for t in self.terms), default=0)
-        return max(-(-end // LINE), 1) * LINE
+        least = 8 * self.target.lanes if self.target.sliced else LINE  # whole squares of planes
+        return max(-(-end // least), 1) * least
 
 
 def lane_bytes(term: Term, target: Target) -> int:
     """Bytes of all lanes of a term, 8 at least."""
+    if target.sliced:
+        return size_of(term.sort) * target.lanes // 8
     packed = term.sort == BIT and target.packed
     return max(target.lanes // 8 if packed else target.lanes * bytes_of(term), 8)
 

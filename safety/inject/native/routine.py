@@ -70,18 +70,20 @@ class Routine(Writer):
 
     def lanes_in(self, term: Term) -> str:
         """The type of a term's lanes in memory: a bit that is not packed is a byte, all ones or zero."""
-        return vector(self, 8) if term.sort == BIT and not self.packed else lane_vector(self, term)
+        return vector(self, 8) if self._as_bytes(term) else lane_vector(self, term)
+
+    def _as_bytes(self, term: Term) -> bool:
+        return term.sort == BIT and not (self.packed or self.sliced)
 
     def load_lanes(self, term: Term, base: str, offset: Operand = 0) -> str:
         """A term's lanes."""
         x = self.load(self.lanes_in(term), base, offset, align=8)
-        bytes_ = term.sort == BIT and not self.packed
-        return self.op(f"icmp slt {vector(self, 8)} {x}, zeroinitializer") if bytes_ else x
+        return self.op(f"icmp slt {vector(self, 8)} {x}, zeroinitializer") if self._as_bytes(term) else x
 
     def store_lanes(self, term: Term, value: str, base: str, offset: Operand = 0) -> None:
         """Keep a term's lanes."""
         kind = self.lanes_in(term)
-        if term.sort == BIT and not self.packed:
+        if self._as_bytes(term):
             value = self.op(f"sext {vector(self, 1)} {value} to {kind}")
         self.store(kind, value, base, offset, align=8)
 
@@ -98,6 +100,51 @@ class Routine(Writer):
             return self.spread(f"i{8 * bytes_of(term)}", x)
         on = self.op(f"icmp ne i8 {x}, 0")
         return self.op(f"sext i1 {on} to i{self.lanes}") if self.packed else self.spread("i1", on)
+
+    @staticmethod
+    def number_of(target: Target) -> str:
+        """The type of a bit of all lanes where it is seen as a whole: a number, or words of 64 bits."""
+        return f"<{target.lanes // 64} x i64>" if target.sliced else f"i{target.lanes}"
+
+    @property
+    def number(self) -> str:
+        """The same."""
+        return f"<{self.lanes // 64} x i64>" if self.sliced else f"i{self.lanes}"
+
+    def all_of(self, i1: str) -> str:
+        """A bit that is the same in all lanes, as a whole."""
+        if not self.sliced:
+            return self.op(f"sext i1 {i1} to {self.number}")
+        return self.op(f"select i1 {i1}, {self.number} splat (i64 -1), {self.number} zeroinitializer")
+
+    def inverted(self, number: str) -> str:
+        """A bit of all lanes, inverted."""
+        return self.op(f"xor {self.number} {number}, {'splat (i64 -1)' if self.sliced else '-1'}")
+
+    def some(self, number: str) -> str:
+        """Whether a bit is set in some lane."""
+        if not self.sliced:
+            return self.is_("ne", self.number, number, 0)
+        words = self.lanes // 64
+        apart = self.op(f"icmp ne {self.number} {number}, zeroinitializer")
+        return self.is_("ne", f"i{words}", self.op(f"bitcast <{words} x i1> {apart} to i{words}"), 0)
+
+    @contextmanager
+    def each_word(self, number: str) -> Iterator[tuple[str, str]]:
+        """What is done for each word of a bit of all lanes: its first lane, the word."""
+        if not self.sliced:
+            yield "0", number
+            return
+        place = self.fresh()
+        self.locals.append(f"{place} = alloca {self.number}, align 64")
+        self.store(self.number, number, place)
+        with self.each(0, self.lanes // 64) as i:
+            yield self.op(f"mul i64 {i}, 64"), self.load("i64", self.element(place, "i64", i))
+
+    @property
+    def word(self) -> str:
+        """The type of a word."""
+        return f"i{min(self.lanes, 64)}"
 
     def as_number(self, bit: str) -> str:
         """A bit of all lanes as one whole number."""
@@ -151,9 +198,14 @@ class Routine(Writer):
 
     @contextmanager
     def each_bit(self, number: str) -> Iterator[str]:
-        """What is done for each lane whose bit is set in a whole number of lanes."""
-        kind = f"i{self.lanes}"
-        rest = self.local(kind, number)
+        """What is done for each lane whose bit is set in a bit of all lanes."""
+        with self.each_word(number) as (first, word), self._each_of(word) as place:
+            yield self.op(f"add i64 {first}, {place}")
+
+    @contextmanager
+    def _each_of(self, word: str) -> Iterator[str]:
+        kind = self.word
+        rest = self.local(kind, word)
         with self.while_(lambda: self.is_("ne", kind, rest.value, 0)):
             x = rest.value
             rest.set(self.op(f"and {kind} {x}, {self.op(f'add {kind} {x}, -1')}"))

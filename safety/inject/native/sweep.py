@@ -74,7 +74,7 @@ def _legs(program: Program, batch: Batch, length: int) -> list[_Leg]:
 
     total = program.task.timing.frames * program.task.timing.steps
     begins = batch.first.min(axis=0).astype(np.int64)
-    going_on, kept = _columns(batch, 0, 0), np.zeros((0, program.kernel.kept.type.itemsize // 8), np.uint64)
+    going_on, kept = _columns(batch, 0, 0), np.zeros((0, program.kernel.words), np.uint64)
     legs: list[_Leg] = []
     start = 0
     while start < total:

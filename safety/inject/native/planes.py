@@ -1,0 +1,268 @@
+"""The native functions of a step where a word is its bits, and a bit of all lanes a vector: planes.
+
+Gates are then instructions on whole vectors, with eight times as many lanes as there are bytes in one.  A point looks
+at its masks only where the group has a fault there (`at`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from functools import cached_property, partial
+from typing import TYPE_CHECKING, Any
+
+from safety.inject.native.kernel import STEP, Kernel
+from safety.inject.native.routine import Routine
+from safety.system import State, System
+from safety.terms.column_bits import size_of
+from safety.terms.column_native import bit_type, splat
+from safety.terms.graph import Term, postorder
+from safety.terms.native import bytes_of
+from safety.terms.slicing import Slices, leaves
+from safety.terms.ternary import Function, cover
+
+if TYPE_CHECKING:
+    import numpy.typing as npt
+
+    Array = npt.NDArray[Any]
+
+
+class Planes(Kernel):
+    """A kernel of planes; see `kernel.Kernel`."""
+
+    @cached_property
+    def plane(self) -> int:
+        """Bytes of a bit of all lanes."""
+        return self.target.lanes // 8
+
+    @cached_property
+    def _passing(self) -> System:
+        return self.tapped.passing()
+
+    def faulty(self) -> Routine:
+        k = Routine(self.target, "faulty", [*STEP, "ptr noalias %taps"])
+        for switch in self.tapped.switches:
+            (bit,) = leaves(switch)
+            k.bound[bit.uid] = partial(k.load_lanes, bit, "%taps", self.taps.offsets[switch.uid])
+        slices = Slices(cut=lambda point: point.attr in self.tapped.masks)
+        return self._planes(k, self._passing, slices)
+
+    def healthy(self) -> Routine:
+        return self._planes(Routine(self.target, "healthy", STEP), self.tapped.without_faults(), Slices())
+
+    def _planes(self, k: Routine, system: System, slices: Slices) -> Routine:
+        follow = [(s, slices.of(system.state[s.path].next)) for s in self.registers]
+        seen = [slices.of(system.lookup(wire)) for wire in self.wires]
+        roots = [bit for _, bits in follow for bit in bits] + [bits[0] for bits in seen]
+        code = Gates(k, self, slices)
+        code.plan(roots)
+        for s in self.registers:
+            for i, bit in enumerate(leaves(s.var)):
+                place = self.state.offsets[s.var.uid] + i * self.plane
+                k.bound[bit.uid] = partial(k.load_lanes, bit, "%before", place)
+        for term in self.inputs.values():
+            for i, bit in enumerate(leaves(term)):
+                k.bound[bit.uid] = partial(self.spread_bit, k, term, i)
+        for s, bits in follow:
+            for i, bit in enumerate(bits):
+                k.store_lanes(bit, code.of(bit), "%after", self.state.offsets[s.var.uid] + i * self.plane)
+        for i, bits in enumerate(seen):
+            k.store_lanes(bits[0], code.of(bits[0]), "%seen", i * self.plane)
+        return k
+
+    def spread_bit(self, k: Routine, term: Term, i: int) -> str:
+        """A bit of a number of the fault-free run, in every lane."""
+        kind = f"i{8 * bytes_of(term)}"
+        x = k.load(kind, "%row", self.row.places[term.uid])
+        x = k.op(f"lshr {kind} {x}, {i}") if i else x
+        bit = k.op(f"trunc {kind} {x} to i1")
+        words = bit_type(k)
+        first = k.op(f"insertelement {words} poison, i64 {k.op(f'sext i1 {bit} to i64')}, i64 0")
+        return k.op(f"shufflevector {words} {first}, {words} poison, <{k.lanes // 64} x i32> zeroinitializer")
+
+
+    # --- lanes and the fault-free run ------------------------------------------------------------------------------
+
+    def restore(self) -> Routine:
+        k = Routine(self.target, "restore", ["ptr noalias %state", "ptr noalias %row"])
+        for s, i, place in self._each_plane():
+            k.store(bit_type(k), self.spread_bit(k, s.var, i), "%state", place, align=8)
+        return k
+
+    def diverged(self) -> Routine:
+        k = Routine(self.target, "diverged", ["ptr noalias %state", "ptr noalias %row"], Routine.number_of(self.target))
+        kind, total = bit_type(k), "zeroinitializer"
+        for s, i, place in self._each_plane():
+            now = k.load(kind, "%state", place, align=8)
+            total = k.op(f"or {kind} {total}, {k.op(f'xor {kind} {now}, {self.spread_bit(k, s.var, i)}')}")
+        k.lines.append(f"ret {kind} {total}")
+        return k
+
+    def record(self) -> Routine:
+        k = Routine(self.target, "record", ["ptr noalias %state", "ptr noalias %row"])
+        numbers: dict[int, str] = {}
+        for s, i, place in self._each_plane():
+            kind = f"i{8 * bytes_of(s.var)}"
+            bit = k.op(f"and i8 {k.load('i8', '%state', place)}, 1")
+            bit = bit if kind == "i8" else k.op(f"zext i8 {bit} to {kind}")
+            moved = k.op(f"shl {kind} {bit}, {i}") if i else bit
+            numbers[s.var.uid] = k.op(f"or {kind} {numbers[s.var.uid]}, {moved}") if i else moved
+        for s in self.registers:
+            kind, value = f"i{8 * bytes_of(s.var)}", numbers[s.var.uid]
+            size = size_of(s.var.sort)
+            if s.var.sort.bounds[0] < 0 and size < 8 * bytes_of(s.var):
+                own = k.op(f"shl {kind} {value}, {8 * bytes_of(s.var) - size}")
+                value = k.op(f"ashr {kind} {own}, {8 * bytes_of(s.var) - size}")
+            k.store(kind, value, "%row", self.row.places[s.var.uid])
+        return k
+
+    def _each_plane(self) -> Iterator[tuple[State, int, int]]:
+        """Each bit of each register: its place in the register, its byte in the state."""
+        for s in self.registers:
+            for i in range(size_of(s.var.sort)):
+                yield s, i, self.state.offsets[s.var.uid] + i * self.plane
+
+    # --- records: a bit for each plane -----------------------------------------------------------------------------
+
+    @property
+    def words(self) -> int:
+        return self.state.size // (64 * self.plane)
+
+    def to_record(self, values: Sequence[int]) -> Array:
+        import numpy as np
+
+        whole = 0
+        for s, value in zip(self.registers, values, strict=True):
+            whole |= (int(value) & (1 << size_of(s.var.sort)) - 1) << self.state.offsets[s.var.uid] // self.plane
+        return np.frombuffer(whole.to_bytes(8 * self.words, "little"), np.uint64)[None].copy()
+
+    def from_records(self, records: Array, register: int) -> Array:
+        import numpy as np
+
+        s = self.registers[register]
+        first, size = self.state.offsets[s.var.uid] // self.plane, size_of(s.var.sort)
+        found = np.zeros(len(records), np.int64)
+        for i in range(size):
+            word, place = divmod(first + i, 64)
+            found |= (records[:, word] >> np.uint64(place) & np.uint64(1)).astype(np.int64) << i
+        return found - (found >> size - 1 << size) if s.var.sort.bounds[0] < 0 else found
+
+    def give(self) -> Routine:
+        return self._squares("give")
+
+    def take(self) -> Routine:
+        return self._squares("take")
+
+    def _squares(self, name: str) -> Routine:
+        """64 planes and 64 lanes at a time."""
+        k = Routine(self.target, name, ["ptr noalias %state", "ptr noalias %records"])
+        with k.each(0, self.words) as word, k.each(0, k.lanes // 64) as group:
+            planes = k.at("%state", k.op(f"mul i64 {word}, {64 * self.plane}"))
+            planes = k.element(planes, "i64", group)
+            lanes = k.at("%records", k.op(f"mul i64 {group}, {64 * 8 * self.words}"))
+            lanes = k.element(lanes, "i64", word)
+            ends = [(planes, self.plane), (lanes, 8 * self.words)]
+            (source, step), (to, stride) = ends if name == "give" else ends[::-1]
+            k.run("@transpose", f"ptr {source}", f"i64 {step}", f"ptr {to}", f"i64 {stride}")
+        return k
+
+    def helpers(self) -> list[Routine]:
+        """`transpose(from, step, to, stride)`: a square of 64 words of 64 bits, so many bytes apart, on its side."""
+        k = Routine(self.target, "transpose", ["ptr %from", "i64 %step", "ptr %to", "i64 %stride"])
+        kind, square = "<64 x i64>", k.fresh()
+        k.locals.append(f"{square} = alloca {kind}, align 64")
+        with k.each(0, 64) as i:
+            k.store("i64", k.load("i64", k.at("%from", k.op(f"mul i64 {i}, %step"))), k.element(square, "i64", i))
+        x = k.load(kind, square)
+        for by in (32, 16, 8, 4, 2, 1):  # the upper right quarter of each square changes places with the lower left
+            low = sum(1 << i for i in range(64) if not i & by)
+            order = ", ".join(f"i32 {i ^ by}" for i in range(64))
+            other = k.op(f"shufflevector {kind} {x}, {kind} poison, <64 x i32> <{order}>")
+            moved = [k.op(f"{how} {kind} {other}, {splat(64, by)}") for how in ("shl", "lshr")]
+            upper = ", ".join(f"i1 {int(bool(i & by))}" for i in range(64))
+            parts = []
+            for mask, more in ((low, moved[0]), (~low, moved[1])):
+                own, foreign = splat(64, mask), splat(64, ~mask)
+                parts.append(k.op(f"or {kind} {k.op(f'and {kind} {x}, {own}')}, {k.op(f'and {kind} {more}, {foreign}')}"))
+            x = k.op(f"select <64 x i1> <{upper}>, {kind} {parts[1]}, {kind} {parts[0]}")
+        k.store(kind, x, square)
+        with k.each(0, 64) as i:
+            k.store("i64", k.load("i64", k.element(square, "i64", i)), k.at("%to", k.op(f"mul i64 {i}, %stride")))
+        return [k]
+
+
+class Gates:
+    """Writes the bits of a step, each once."""
+
+    def __init__(self, k: Routine, kernel: Planes, slices: Slices) -> None:
+        self.k, self.kernel, self.slices = k, kernel, slices
+        self.functions: dict[int, Function] = {}
+
+    def plan(self, roots: Sequence[Term]) -> None:
+        """Say what is to be written."""
+        roots = list(roots)
+        done: set[int] = set()
+        while True:  # what comes before the points that stand for themselves
+            points = {self.slices.points[t.uid].uid: self.slices.points[t.uid]
+                      for t in postorder(roots) if t.uid in self.slices.points}
+            new = [p for uid, p in points.items() if uid not in done]
+            if not new:
+                break
+            for p in new:
+                done.add(p.uid)
+                roots += self.slices.of(p.args[0])
+        self.functions = cover(roots, lambda t: t.op in ("var", "const"))
+
+    def of(self, bit: Term) -> str:
+        k = self.k
+        names = k.names
+        stack = [bit]
+        while stack:
+            t = stack[-1]
+            if t.uid in names:
+                stack.pop()
+                continue
+            if t.uid in self.slices.points:
+                point = self.slices.points[t.uid]
+                healthy = self.slices.of(point.args[0])
+                missing = [x for x in healthy if x.uid not in names]
+                if missing:
+                    stack += missing[::-1]
+                else:
+                    self._point(point, [names[x.uid] for x in healthy])
+                    stack.pop()
+                continue
+            if t.uid not in self.functions:
+                k.write([t])
+                stack.pop()
+                continue
+            f = self.functions[t.uid]
+            missing = [x for x in f.inputs if x.uid not in names]
+            if missing:
+                stack += missing[::-1]
+                continue
+            stack.pop()
+            if k.ternary and len(f.inputs) == 3:
+                kind = bit_type(k)
+                k.intrinsics.add(f"declare {kind} @llvm.x86.avx512.pternlog.q.512({kind}, {kind}, {kind}, i32)")
+                a = ", ".join(f"{kind} {names[x.uid]}" for x in f.inputs)
+                names[t.uid] = k.op(f"call {kind} @llvm.x86.avx512.pternlog.q.512({a}, i32 {f.table})")
+            else:
+                k.write([t])
+        return names[bit.uid]
+
+    def _point(self, point: Term, healthy: list[str]) -> None:
+        k = self.k
+        keep, turn = self.kernel.tapped.masks[point.attr]
+        offsets, plane, kind = self.kernel.taps.offsets, self.kernel.plane, bit_type(k)
+        flag = k.load("i8", "%taps", self.kernel.flags[point.attr])
+        there = k.op(f"icmp ne i8 {flag}, 0")
+        before, then, end = k._labels("from", "then", "end")
+        k.lines += [f"br label %{before}", f"{before}:",
+                    f"br i1 {there}, label %{then}, label %{end}, !prof !0", f"{then}:"]
+        masked = []
+        for i, x in enumerate(healthy):
+            a, b = (k.load(kind, "%taps", offsets[m.uid] + i * plane, align=8) for m in (keep, turn))
+            masked.append(k.op(f"xor {kind} {k.op(f'and {kind} {x}, {a}')}, {b}"))
+        k.lines += [f"br label %{end}", f"{end}:"]
+        for bit, x, y in zip(leaves(point), healthy, masked, strict=True):
+            k.names[bit.uid] = k.op(f"phi {kind} [ {x}, %{before} ], [ {y}, %{then} ]")
