@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
@@ -36,7 +37,7 @@ class Writer:
     def call(self, intrinsic: str, kind: str, *args: str) -> str:
         """Write a call of an intrinsic whose arguments and result are of one type; the name of its result."""
         full = f"@llvm.{intrinsic}.{kind.strip('<>').replace(' x ', '')}"
-        full = full.replace(f".{self.lanes}i", f".v{self.lanes}i")
+        full = re.sub(r"\.(\d+i\d+)$", r".v\1", full)
         self.intrinsics.add(f"declare {kind} {full}({', '.join([kind] * len(args))})")
         return self.op(f"call {kind} {full}({', '.join(f'{kind} {a}' for a in args)})")
 

@@ -49,7 +49,6 @@ class Driver:
         self.before, self.after = k.local("ptr", self.given["state"]), k.local("ptr", self.given["other"])
         self.check, self.gap = k.local("i64", 0), k.local("i64", 1)
         self.block, self.counted = k.local("i64", 0), k.local("i64", 0)
-        self.touched = k.local("i1", 0)
         self.missed = [k.local("i32", NEVER) for _ in range(kernel.watched)]
 
     def write(self) -> Routine:
@@ -117,7 +116,7 @@ class Driver:
 
     def _kept(self, name: str) -> str:
         """Where the lanes of this group are kept, a record each."""
-        return self.k.at(self.given[name], self.k.op(f"mul i64 {self.base.value}, {self.kernel.kept.type.itemsize}"))
+        return self.k.at(self.given[name], self.k.op(f"mul i64 {self.base.value}, {8 * self.kernel.words}"))
 
     def _leap(self) -> None:
         """To the next event or the end; what the fault-free run shows first in between, each lane shows."""
@@ -225,8 +224,7 @@ class Driver:
         k = self.k
         many = min(k.lanes, 64)
         kind = f"<{many} x i16>"
-        first = k.op(f"insertelement {kind} poison, i16 {more}, i64 0")
-        each = k.op(f"shufflevector {kind} {first}, {kind} poison, <{many} x i32> zeroinitializer")
+        each = k.spread_over(many, "i16", more)
         with k.each_word(lanes) as (lane, word):
             place = self._sums(wire, lane)
             chosen = k.op(f"bitcast {k.word} {word} to <{many} x i1>")
@@ -243,7 +241,7 @@ class Driver:
             with k.each(0, k.lanes // many) as word:
                 first = k.op(f"mul i64 {word}, {many}")
                 some = k.op(f"icmp ne {kind} {k.load(kind, self._sums(wire, first))}, zeroinitializer")
-                with k._each_of(k.op(f"bitcast <{many} x i1> {some} to {k.word}")) as place:
+                with k.each_of(k.op(f"bitcast <{many} x i1> {some} to {k.word}")) as place:
                     lane = k.op(f"add i64 {first}, {place}")
                     block = k.op(f"add i64 {k.op(f'mul i64 {blocks}, {position}')}, {self.block.value}")
                     index = k.op(f"add i64 {k.op(f'mul i64 {block}, {columns}')}, {self._column(lane)}")
@@ -270,25 +268,44 @@ class Driver:
     def _change(self) -> None:
         """The masks of the lanes that have an event at this step, and when the next event is."""
         k, now, wide = self.k, self.now, self.given["wide"]
-        self.next.set(NEVER)
-        self.active.set(0)
-        with k.each(0, k.lanes) as lane:
-            self.touched.set(0)
+        many = min(k.lanes, 64)
+        times, yes = f"<{many} x i32>", f"<{many} x i1>"
+        at = k.spread_over(many, "i32", k.op(f"trunc i64 {now.value} to i32"))
+        never = k.spread_over(many, "i32", str(NEVER))
+        following, acting = k.local(times, never), k.local(k.word, 0)
+        following.set(never)
+        acting.set(0)
+        with k.each(0, k.lanes // many) as word:
+            first = k.op(f"mul i64 {word}, {many}")
+            touched = k.local(k.word, 0)
+            touched.set(0)
             with k.each(0, wide) as place:
-                window = self._of_lane("first", place, lane), self._of_lane("end", place, lane)
-                for event in window:
-                    self.touched.set(k.op(f"or i1 {self.touched.value}, {k.is_('eq', 'i64', event, now.value)}"))
-                    later = k.is_("sgt", "i64", event, now.value)
-                    with k.when(k.op(f"and i1 {later}, {k.is_('slt', 'i64', event, self.next.value)}")):
-                        self.next.set(event)
-                self.active.add(k.op(f"zext i1 {self._acts(*window)} to i64"))
-            with k.when(self.touched.value):
+                begins, ends = (self._of_lanes(name, place, first, times) for name in ("first", "end"))
+                for event in (begins, ends):
+                    here = k.op(f"bitcast {yes} {k.op(f'icmp eq {times} {event}, {at}')} to {k.word}")
+                    touched.set(k.op(f"or {k.word} {touched.value}, {here}"))
+                    later = k.op(f"icmp sgt {times} {event}, {at}")
+                    event = k.op(f"select {yes} {later}, {times} {event}, {times} {never}")
+                    following.set(k.call("smin", times, following.value, event))
+                begun = k.op(f"icmp sle {times} {begins}, {at}")
+                acts = k.op(f"and {yes} {begun}, {k.op(f'icmp slt {times} {at}, {ends}')}")
+                acting.set(k.op(f"or {k.word} {acting.value}, {k.op(f'bitcast {yes} {acts} to {k.word}')}"))
+            with k.each_of(touched.value) as inside:
+                lane = k.op(f"add i64 {first}, {inside}")
                 with k.each(0, wide) as place:
                     begun = k.is_("sle", "i64", self._of_lane("first", place, lane), now.value)
                     self._masks(begun, place, lane, "@pass")
                 with k.each(0, wide) as place:
                     window = self._of_lane("first", place, lane), self._of_lane("end", place, lane)
                     self._masks(self._acts(*window), place, lane, "@mask")
+        self.next.set(k.op(f"sext i32 {k.least(many, following.value)} to i64"))
+        self.active.set(k.op(f"zext i1 {k.is_('ne', k.word, acting.value, 0)} to i64"))
+
+    def _of_lanes(self, name: str, place: str, first: str, times: str) -> str:
+        """A number of the fault of each of some lanes."""
+        k = self.k
+        index = k.op(f"add i64 {k.op(f'mul i64 {place}, {self.stride}')}, {self.base.value}")
+        return k.load(times, k.element(self.given[name], "i32", k.op(f"add i64 {index}, {first}")), align=4)
 
     def _acts(self, begins: str, ends: str) -> str:
         k, now = self.k, self.now.value

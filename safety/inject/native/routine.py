@@ -89,9 +89,19 @@ class Routine(Writer):
 
     def spread(self, kind: str, value: str) -> str:
         """A number in every lane."""
-        lanes = f"<{self.lanes} x {kind}>"
+        return self.spread_over(self.lanes, kind, value)
+
+    def spread_over(self, many: int, kind: str, value: str) -> str:
+        """A number so many times."""
+        lanes = f"<{many} x {kind}>"
         first = self.op(f"insertelement {lanes} poison, {kind} {value}, i64 0")
-        return self.op(f"shufflevector {lanes} {first}, {lanes} poison, <{self.lanes} x i32> zeroinitializer")
+        return self.op(f"shufflevector {lanes} {first}, {lanes} poison, <{many} x i32> zeroinitializer")
+
+    def least(self, many: int, numbers: str) -> str:
+        """The least of so many numbers of 32 bits."""
+        reduce = f"i32 @llvm.vector.reduce.smin.v{many}i32(<{many} x i32>"
+        self.intrinsics.add(f"declare {reduce})")
+        return self.op(f"call {reduce} {numbers})")
 
     def load_spread(self, term: Term, base: str, offset: Operand = 0) -> str:
         """One value of a term (a bit is a byte) in every lane."""
@@ -199,11 +209,12 @@ class Routine(Writer):
     @contextmanager
     def each_bit(self, number: str) -> Iterator[str]:
         """What is done for each lane whose bit is set in a bit of all lanes."""
-        with self.each_word(number) as (first, word), self._each_of(word) as place:
+        with self.each_word(number) as (first, word), self.each_of(word) as place:
             yield self.op(f"add i64 {first}, {place}")
 
     @contextmanager
-    def _each_of(self, word: str) -> Iterator[str]:
+    def each_of(self, word: str) -> Iterator[str]:
+        """What is done for each lane whose bit is set in a word."""
         kind = self.word
         rest = self.local(kind, word)
         with self.while_(lambda: self.is_("ne", kind, rest.value, 0)):

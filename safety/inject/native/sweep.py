@@ -44,6 +44,8 @@ def run(program: Program, batch: Batch, *, prune: bool = True, length: int | Non
     stays = ((end == NEVER) & ~none).any(axis=0)
     begins = first.min(axis=0)
     order = np.argsort(stays.astype(np.int64) << 62 | begins.astype(np.int64) << 31 | batch.atoms[0] + 1)
+    if not prune:  # few points in a group
+        order = np.lexsort([begins, batch.atoms[0]])
     ordered = Batch(*(np.ascontiguousarray(a[:, order]) for a in (batch.atoms, first, end)))
     passing = int(np.count_nonzero(~stays))
     total = task.timing.frames * task.timing.steps
