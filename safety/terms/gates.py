@@ -64,7 +64,7 @@ def most(x: Term, y: Term, z: Term) -> Term:
 
 
 def _gate(op: str, x: Term, y: Term) -> Term:
-    return node(op, (x, y) if x.uid < y.uid else (y, x), None, BIT)
+    return node(op, (x, y), None, BIT)
 
 
 # --- numbers of bits -------------------------------------------------------------------------------------------------

@@ -67,7 +67,12 @@ class Kernel:
     @cached_property
     def row(self) -> Row:
         """The fault-free run as this kernel reads it."""
-        return Row([*(s.var for s in self.registers), *self.inputs.values()], self.watched, len(self.wires))
+        return Row([*(s.var for s in self.registers), *self.inputs.values()], self.watched, len(self.wires), self.recorded_words)
+
+    @property
+    def recorded_words(self) -> int:
+        """Words of a record in a row, where the functions here read and write one instead of the registers."""
+        return 0
 
     @property
     def word(self) -> int:

@@ -7,6 +7,7 @@ at its masks only where the group has a fault there (`at`).
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any
 
@@ -55,6 +56,7 @@ class Planes(Kernel):
         roots = [bit for _, bits in follow for bit in bits] + [bits[0] for bits in seen]
         code = Gates(k, self, slices)
         code.plan(roots)
+        k.attributes = ' "ready"'
         for s in self.registers:
             for i, bit in enumerate(leaves(s.var)):
                 place = self.state.offsets[s.var.uid] + i * self.plane
@@ -84,44 +86,52 @@ class Planes(Kernel):
 
     def restore(self) -> Routine:
         k = Routine(self.target, "restore", ["ptr noalias %state", "ptr noalias %row"])
-        for s, i, place in self._each_plane():
-            k.store(bit_type(k), self.spread_bit(k, s.var, i), "%state", place, align=8)
+        with self._each_plane(k) as (place, there):
+            k.store(bit_type(k), there, place, align=8)
         return k
 
     def diverged(self) -> Routine:
         k = Routine(self.target, "diverged", ["ptr noalias %state", "ptr noalias %row"], Routine.number_of(self.target))
-        kind, total = bit_type(k), "zeroinitializer"
-        for s, i, place in self._each_plane():
-            now = k.load(kind, "%state", place, align=8)
-            total = k.op(f"or {kind} {total}, {k.op(f'xor {kind} {now}, {self.spread_bit(k, s.var, i)}')}")
-        k.lines.append(f"ret {kind} {total}")
+        kind = bit_type(k)
+        total = k.local(kind, "zeroinitializer")
+        with self._each_plane(k) as (place, there):
+            apart = k.op(f"xor {kind} {k.load(kind, place, align=8)}, {there}")
+            total.set(k.op(f"or {kind} {total.value}, {apart}"))
+        k.lines.append(f"ret {kind} {total.value}")
         return k
+
+    @contextmanager
+    def _each_plane(self, k: Routine) -> Iterator[tuple[str, str]]:
+        """What is done for each plane: its place, and what the fault-free run has there."""
+        kind, record = bit_type(k), k.at("%row", self.row.offset("record"))
+        with k.each(0, self._planes_used) as i:
+            word = k.load("i64", k.element(record, "i64", k.op(f"lshr i64 {i}, 6")))
+            place = k.op(f"and i64 {i}, 63")
+            bit = k.op(f"and i64 {k.op(f'lshr i64 {word}, {place}')}, 1")
+            yield k.element("%state", kind, i), k.spread_over(k.lanes // 64, "i64", k.op(f"sub i64 0, {bit}"))
+
+    @property
+    def _planes_used(self) -> int:
+        return sum(size_of(s.var.sort) for s in self.registers)
 
     def record(self) -> Routine:
         k = Routine(self.target, "record", ["ptr noalias %state", "ptr noalias %row"])
-        numbers: dict[int, str] = {}
-        for s, i, place in self._each_plane():
-            kind = f"i{8 * bytes_of(s.var)}"
-            bit = k.op(f"and i8 {k.load('i8', '%state', place)}, 1")
-            bit = bit if kind == "i8" else k.op(f"zext i8 {bit} to {kind}")
-            moved = k.op(f"shl {kind} {bit}, {i}") if i else bit
-            numbers[s.var.uid] = k.op(f"or {kind} {numbers[s.var.uid]}, {moved}") if i else moved
-        for s in self.registers:
-            kind, value = f"i{8 * bytes_of(s.var)}", numbers[s.var.uid]
-            size = size_of(s.var.sort)
-            if s.var.sort.bounds[0] < 0 and size < 8 * bytes_of(s.var):
-                own = k.op(f"shl {kind} {value}, {8 * bytes_of(s.var) - size}")
-                value = k.op(f"ashr {kind} {own}, {8 * bytes_of(s.var) - size}")
-            k.store(kind, value, "%row", self.row.places[s.var.uid])
+        record = k.at("%row", self.row.offset("record"))
+        with k.each(0, self.words) as word:
+            total = k.local("i64", 0)
+            total.set(0)
+            with k.each(0, 64) as i:
+                plane = k.op(f"add i64 {k.op(f'mul i64 {word}, 64')}, {i}")
+                bit = k.op(f"and i64 {k.load('i64', k.element('%state', bit_type(k), plane))}, 1")
+                total.set(k.op(f"or i64 {total.value}, {k.op(f'shl i64 {bit}, {i}')}"))
+            k.store("i64", total.value, k.element(record, "i64", word))
         return k
 
-    def _each_plane(self) -> Iterator[tuple[State, int, int]]:
-        """Each bit of each register: its place in the register, its byte in the state."""
-        for s in self.registers:
-            for i in range(size_of(s.var.sort)):
-                yield s, i, self.state.offsets[s.var.uid] + i * self.plane
-
     # --- records: a bit for each plane -----------------------------------------------------------------------------
+
+    @property
+    def recorded_words(self) -> int:
+        return self.words
 
     @property
     def words(self) -> int:
@@ -133,18 +143,22 @@ class Planes(Kernel):
         whole = 0
         for s, value in zip(self.registers, values, strict=True):
             whole |= (int(value) & (1 << size_of(s.var.sort)) - 1) << self.state.offsets[s.var.uid] // self.plane
-        return np.frombuffer(whole.to_bytes(8 * self.words, "little"), np.uint64)[None].copy()
+        return np.frombuffer(whole.to_bytes(8 * self.words, "little"), np.uint64).copy()
 
     def from_records(self, records: Array, register: int) -> Array:
         import numpy as np
 
         s = self.registers[register]
         first, size = self.state.offsets[s.var.uid] // self.plane, size_of(s.var.sort)
-        found = np.zeros(len(records), np.int64)
-        for i in range(size):
-            word, place = divmod(first + i, 64)
-            found |= (records[:, word] >> np.uint64(place) & np.uint64(1)).astype(np.int64) << i
-        return found - (found >> size - 1 << size) if s.var.sort.bounds[0] < 0 else found
+        word, place = divmod(first, 64)
+        found = records[:, word] >> np.uint64(place)
+        if place + size > 64:
+            found = found | records[:, word + 1] << np.uint64(64 - place)
+        found = found & np.uint64((1 << size) - 1)
+        if s.var.sort.bounds[0] >= 0:
+            return found
+        unused = np.uint64(64 - size)
+        return (found << unused).view(np.int64) >> unused.astype(np.int64)
 
     def give(self) -> Routine:
         return self._squares("give")

@@ -81,6 +81,8 @@ class Program:
         power_up = {s.path: value for s, value in zip(system.states, values, strict=True)}
         for i, s in enumerate(kernel.registers):
             rows[f"v{i}"][0] = power_up[s.path]
+        if kernel.recorded_words:
+            rows["record"][0] = kernel.to_record([power_up[s.path] for s in kernel.registers])
         stimulus, chosen = self._stimulus(), self._choices(total)
         for i, name in enumerate(kernel.inputs, start=len(kernel.registers)):
             rows[f"v{i}"][:total] = np.repeat(stimulus[name], t.steps) if name in stimulus else chosen[name]
@@ -88,6 +90,9 @@ class Program:
         self._library.function("restore", POINTER, POINTER)(state.ctypes.data, rows.ctypes.data)
         golden = self._library.function("golden", POINTER, NUMBER, POINTER, POINTER, POINTER)
         golden(rows.ctypes.data, total, *(a.ctypes.data for a in (state, other, seen)))
+        if kernel.recorded_words:
+            for i in range(len(kernel.registers)):
+                rows[f"v{i}"] = kernel.from_records(rows["record"], i)
         self._time(rows)
         return rows
 

@@ -45,6 +45,7 @@ class Routine(Writer):
         self.locals: list[str] = []
         self.bound: dict[int, Callable[[], str]] = {}  # how to read a variable, by uid
         self.labels = 0
+        self.attributes = ""
 
     def variable(self, term: Term) -> str:
         """Read a variable where it is used first: near its use, and not at all where it has none."""
@@ -231,6 +232,6 @@ class Routine(Writer):
     @property
     def text(self) -> str:
         """The function, complete but for the declarations of its `intrinsics`."""
-        head = f"define {self.result} @{self.name}({', '.join(self.parameters)}) {ATTRIBUTES} {{"
+        head = f"define {self.result} @{self.name}({', '.join(self.parameters)}) {ATTRIBUTES}{self.attributes} {{"
         ended = [*self.lines] if self.lines[-1].startswith("ret ") else [*self.lines, "ret void"]
         return "\n".join([head, *(f"  {x}" for x in (*self.locals, "br label %begin", "begin:", *ended)), "}"])
