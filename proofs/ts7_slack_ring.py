@@ -14,20 +14,32 @@ from safety import BITS, PROVED, REFUTED, Bit, Int, Scenario, Seen, all_of, bit,
 WORDS = range(4)
 
 
+def held_in(ring: Seen) -> Bit:
+    """A held pulse came at the last bit of its word in this frame."""
+    return all_of(*(implies(ring[f"held{w}"], (ring.place >= 8 * w + 8) | (ring.place == 0)) for w in WORDS))
+
+
+def held_since_its_word(s: Seen) -> Bit:
+    """Lemma: that of the ring alone."""
+    return held_in(s)
+
+
 FULL = {"d0": 255, "d1": 255, "d2": 255, "d3": 255}
 
 
-@claim(Ring, expect=PROVED, arithmetic=BITS, requirement="TS7-4",
+@claim(Ring, expect=PROVED, lemmas=[held_since_its_word], arithmetic=BITS, requirement="TS7-4",
        source="[P] overflow pulses", witness=Scenario(40, {**FULL, "pulse": True}, {"ring": 2**32 - 1}))  # fmt: skip
 def pulses_come_just_with_the_last_carry(s: Seen) -> Bit:
     """A word's pulse comes just with the carry of its last bit, for J1 at a speed pulse only, and stays for the frame.
 
-    This is so at every bit time, whatever the data and the speed pulse do within a frame.
+    This is so at every bit time, whatever the data and the speed pulse do within a frame; a latch holds just the pulse
+    of the bit time before.
     """
     counts = [s["carry.out"] & (s.pulse if w == 1 else bit(True)) for w in WORDS]
     comes = [(s.place == 8 * w + 7) & counts[w] for w in WORDS]
     exact = (s[f"o{w}"] == ((s[f"held{w}"] & (s.place != 0)) | comes[w]) for w in WORDS)
-    return all_of(*exact, *(implies(s[f"o{w}"], s.place >= 8 * w + 7) for w in WORDS))
+    held = (s[f"held{w}"] == previous(s[f"o{w}"], False) for w in WORDS)
+    return all_of(*exact, *held, *(implies(s[f"o{w}"], s.place >= 8 * w + 7) for w in WORDS))
 
 
 @claim(Ring, expect=REFUTED, requirement="TS7-4", twin_of=pulses_come_just_with_the_last_carry,
@@ -60,7 +72,12 @@ def speed_overflows_without_a_speed_pulse(s: Seen) -> Bit:
 # --- with the check window ------------------------------------------------------------------------------------------
 
 
-@claim(CheckedRing, expect=PROVED, arithmetic=BITS, requirement="TS7-12",
+def held_beside_the_window(s: Seen) -> Bit:
+    """Lemma: that of the ring within the greater model."""
+    return held_in(s.ring)
+
+
+@claim(CheckedRing, expect=PROVED, lemmas=[held_beside_the_window], arithmetic=BITS, requirement="TS7-12",
        source="[P] overflow pulses; window [R]")  # fmt: skip
 def window_sees_the_pulse_of_the_whole_frame(s: Seen) -> Bit:
     """The window moves on just in the last bit time, with the pulse held since J2's last bit; else it stands still.

@@ -25,6 +25,7 @@ from safety.model import Model, point, power_up
 from safety.prove.claims import PROVED, Claim, Seen, claim, registered
 from safety.prove.hazards import Hazard
 from safety.report.closing import settled
+from safety.report.standing import DISAGREE, standing
 from safety.terms import U4, Bit, at_least, select
 from safety.tracing import trace
 
@@ -149,6 +150,9 @@ def test_a_fault_proved_harmless_and_found_dangerous_is_a_contradiction(stops: A
     entry = {"id": "c", "exhaustive": True, "closure": {"faults": found}}
     told = settled(entry, results("test_closure.stops_at_eight", "proved"))["closure"]
     assert told["contradictions"] == ["out stuck-at-0: harmless by test_closure.stops_at_eight, dangerous in c"]
+    for as_expected in (True, False):
+        stands = standing("campaigns", {**entry, "as_expected": as_expected, "closure": told})
+        assert stands.code == DISAGREE and "out stuck-at-0" in stands.reason
 
 
 def test_a_cut_set_of_one_fault_is_not_closed_as_harmless(stops: Any) -> None:

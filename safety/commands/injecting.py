@@ -173,8 +173,8 @@ def _shrink(campaign: Campaign, entry: Entry, most: int, note: Note) -> None:
     from safety.inject.reproduce import Unconfirmed, read, reproducer
 
     new = (entry.get("baseline") or {}).get("new", {})
-    ids = [line.partition("::")[2] for line in entry["replay"]]
-    chosen = sorted(ids, key=lambda one: one not in new)[:most]
+    listed = (line.partition("::")[2] for line in entry["replay"])
+    chosen = list(dict.fromkeys([*new, *listed]))[:most]
     entry["reproducers"] = []
     for count, one in enumerate(chosen, start=1):
         note(f"shrinking {count} of {len(chosen)}")

@@ -46,7 +46,10 @@ class Kept:
         if stored.interrupted:
             self.told(f"{campaign.id}: {stored.made} of {stored.total} injections are kept; --resume goes on")
             raise KeyboardInterrupt
-        return stored.result(time.monotonic() - began), stored.problems
+        result = stored.result(time.monotonic() - began)
+        if stored.complete:
+            stored.keep("fmeda", [row.to_json() for row in result.rows])
+        return result, stored.problems
 
     def _find(self, campaign: Campaign) -> Callable[[], Campaign]:
         """How whoever makes a shard comes by the campaign."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import random
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
@@ -36,7 +37,7 @@ def enumerate_space(
     """
     if order not in NOUNS:
         raise CampaignError(f"order {order}: a campaign injects single faults (1), pairs (2) or triples (3)")
-    of_group = [(k, fault) for k, group in enumerate(groups) for fault in _expanded(system, group)]
+    of_group = [(k, fault) for k, group in enumerate(groups) for fault in _expanded(system, group, seed)]
     singles = tuple(fault for _, fault in of_group)
     _refuse_repeats([group.name for group in groups], "group")
     _refuse_repeats([identify(fault) for fault in singles], "fault")
@@ -55,6 +56,8 @@ def enumerate_space(
     if onsets is not None:
         noun += f" at {len(onsets)} onsets" if len(onsets) > 1 else f" at step {onsets[0]}"
     where = f" in each of {scenarios} drawn scenarios" if scenarios > 1 else ""
+    if whole.drawn:
+        where = f", {_drawn_faults(whole, sample)} of them drawn with seed {seed}"
     return _chosen(whole, noun, where, sample, seed)
 
 
@@ -100,7 +103,23 @@ def _by_group(whole: Space, sample: Mapping[str, int], seed: int | str) -> Posit
     return np.concatenate(parts)
 
 
-def _expanded(system: System, group: Group) -> list[Fault]:
+def _drawn_faults(whole: Space, sample: object) -> int:
+    """How many faults are drawn from endlessly many.
+
+    Raises `CampaignError` where the injections would not be independent draws: bounds would then say too much.
+    """
+    if whole.order > 1 or whole.times > 1 or whole.scenarios > 1 or sample is not None:
+        raise CampaignError(
+            "a group with drawn= is injected once a fault, singly (order 1, no sample, scenario or range of onsets); "
+            "draw the onset with the fault"
+        )
+    return sum(group.drawn or 0 for group in whole.groups)
+
+
+def _expanded(system: System, group: Group, seed: int) -> list[Fault]:
+    if group.drawn is not None:
+        made = [group.faults(random.Random(f"{seed} {group.name} {k}")) for k in range(group.drawn)]
+        return [replace(fault, name=f"{fault.name}, draw {k}") for k, fault in enumerate(made)]
     faults = expand(system, group.faults)
     if not faults:
         raise CampaignError(f"group {group.name!r} has no fault; name some, or leave the group out")

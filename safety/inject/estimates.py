@@ -5,6 +5,7 @@
 | all                          | none: exact                                                                         |
 | drawn from all               | hypergeometric; of a part whose size is not known, those for any population         |
 | drawn by group               | those of strata that weigh as many injections as they have                          |
+| from endlessly many faults   | the same, of a group without end                                                    |
 | in scenarios that are drawn  | over the scenarios: what happens under one goes together                            |
 | as far as it came            | no share at all: what was done first is no random sample                            |
 """
@@ -37,20 +38,11 @@ def estimate(result: Result, good: Cells, bad: Cells) -> Share | None:
         scenarios = result.by_scenario.values()
         goods, bads = ([_part(tally, cells) for tally in scenarios] for cells in (good, bad))
         return _over_scenarios(goods, bads, confidence, of_all=of_all)
-    if space.by_group and not result.exhaustive:
+    if (space.by_group or space.drawn) and not result.exhaustive:
         strata = [
-            Stratum(
-                name,
-                Fraction(space.sizes[name]),
-                t.injections,
-                0,
-                _sum(t, good),
-                _sum(t, bad),
-                whole,
-                space.sizes[name],
-            )
-            for name, t in result.groups.items()
-            for whole in [t.injections == space.sizes[name]]
+            _stratum(group.name, Fraction(space.sizes[group.name]), tally, None if group.drawn else size, good, bad)
+            for group in space.groups
+            for tally, size in [(result.groups[group.name], space.sizes[group.name])]
         ]
         return weighted(strata, safe_too=False, confidence=confidence)
     known = space.population if of_all else None
@@ -78,13 +70,15 @@ def by_rate(result: Result, good: Cells, bad: Cells) -> Share | None:
         goods, bads = ([_weighed(rates, under, cells) for under in scenarios] for cells in (good, bad))
         return _over_scenarios(goods, bads, campaign.confidence, of_all=False)
     strata = [
-        Stratum(
-            row.group.name, rate, row.tally.injections, 0, _sum(row.tally, good), _sum(row.tally, bad), whole, row.of
-        )
-        for row, rate in zip(rows, rates, strict=True)
-        for whole in [row.exhaustive]
+        _stratum(row.group.name, rate, row.tally, row.of, good, bad) for row, rate in zip(rows, rates, strict=True)
     ]
     return weighted(strata, safe_too=False, confidence=campaign.confidence)
+
+
+def _stratum(name: str, weight: Fraction, tally: Tally, of: int | None, good: Cells, bad: Cells) -> Stratum:
+    """A group of which there are `of` injections (None: no end of them)."""
+    tried = tally.injections
+    return Stratum(name, weight, tried, 0, _sum(tally, good), _sum(tally, bad), tried == of, of)
 
 
 def _over_scenarios(

@@ -96,7 +96,8 @@ def _by_scenario(campaign: Campaign, low: int, high: int) -> Iterator[tuple[int,
 
 
 def _plain(campaign: Campaign, scenario: int, low: int, high: int) -> Judged:
-    return _run(campaign, scenario, campaign.space.batch(low, high))
+    batch = campaign.space.batch(low, high)
+    return _run(campaign, scenario, batch, onset_frames(campaign, batch))
 
 
 def _collapsed(campaign: Campaign, scenario: int, low: int, high: int) -> Judged:
@@ -106,26 +107,29 @@ def _collapsed(campaign: Campaign, scenario: int, low: int, high: int) -> Judged
     collapse, space = campaign.collapse(scenario), campaign.space
     batch = space.batch(low, high)
     if not campaign.collapsing or collapse.nothing:
-        return _run(campaign, scenario, batch)
+        return _run(campaign, scenario, batch, onset_frames(campaign, batch))
     members = batch.atoms.astype(np.int64)
     led = collapse.representatives(members)
     other = np.flatnonzero((led != members).any(axis=0))
     source = np.arange(high - low)
-    source[other] = _sources(campaign, scenario, low, high, led[:, other], other)
+    source[other] = _sources(campaign, scenario, low, high, led[:, other], other, batch.first.min(axis=0)[other])
     run = np.flatnonzero((source == np.arange(high - low)) & (led != NONE).any(axis=0))
     found = Judged.alike(high - low, NO_EFFECT)
-    again = Batch(led[:, run].astype(np.int32), batch.first[:, run], batch.end[:, run])
-    found.put(run, _run(campaign, scenario, again))
+    windows = space.when(space.positions(low, high)[run], led[:, run])
+    again = Batch(*(array.astype(np.int32) for array in (led[:, run], *windows)))
+    found.put(run, _run(campaign, scenario, again, onset_frames(campaign, batch)[run]))
     return Judged(*(array[source] for array in found.arrays))
 
 
-def _sources(campaign: Campaign, scenario: int, low: int, high: int, led: Positions, columns: Positions) -> Positions:
+def _sources(
+    campaign: Campaign, scenario: int, low: int, high: int, led: Positions, columns: Positions, onset: Positions
+) -> Positions:
     """For columns of a range, and what is run for them, the column of the range that comes out the same."""
     import numpy as np
 
     space = campaign.space
     times = space.positions(low, high)[columns] % space.in_a_scenario % space.times
-    keys = times
+    keys = onset.astype(np.int64)  # a latency counts from it
     for row in led:
         keys = keys * (len(space.singles) + 1) + row + 1
     _, first, like = np.unique(keys, return_index=True, return_inverse=True)
@@ -151,15 +155,16 @@ def _compare(campaign: Campaign, low: int, collapsed: Judged, plain: Judged) -> 
         )
 
 
-def _run(campaign: Campaign, scenario: int, batch: Batch) -> Judged:
-    """Run a batch and judge it.  Raises `CampaignError` when the fault-free run is judged faulty."""
-    if not batch.runs:
-        return Judged.alike(0, NO_EFFECT)
+def _run(campaign: Campaign, scenario: int, batch: Batch, onset: Any) -> Judged:
+    """Run a batch and judge it; `onset`: the frame of the first fault of each run.
+
+    Raises `CampaignError` when the fault-free run is judged faulty.
+    """
     engine = campaign.engine_of(scenario)
     if isinstance(engine, LaneEngine):
         engine.tick = campaign.tick
-    outcome = engine.run(batch)
-    golden = engine.golden
+    outcome = engine.run(batch) if batch.runs else None
+    golden = engine.golden  # judged even where nothing is run, and cheapest after a run
     healthy = judge(campaign, golden, golden, NEVER)
     if healthy.cells[0] != NO_EFFECT:
         where = f" of scenario {scenario}" if campaign.vary else ""
@@ -167,7 +172,9 @@ def _run(campaign: Campaign, scenario: int, batch: Batch) -> Judged:
             f"{campaign.id}: the fault-free run{where} is judged {CELLS[healthy.cells[0]]}; "
             "correct the judges or the stimulus"
         )
-    return judge(campaign, outcome, golden, onset_frames(campaign, batch))
+    if outcome is None:
+        return Judged.alike(0, NO_EFFECT)
+    return judge(campaign, outcome, golden, onset)
 
 
 def onset_frames(campaign: Campaign, batch: Batch) -> Any:

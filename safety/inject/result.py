@@ -106,8 +106,9 @@ class Result:
             return []
         scenarios = range(space.scenarios) if campaign.vary else ()
         return [
-            Row(group, space.sizes[group.name], self.groups.get(group.name, none), campaign.confidence,
-                not self.interrupted, tuple(self._under(scenario, place) for scenario in scenarios))
+            Row(group, None if group.drawn else space.sizes[group.name], self.groups.get(group.name, none),
+                campaign.confidence, not self.interrupted,
+                tuple(self._under(scenario, place) for scenario in scenarios))
             for place, group in enumerate(space.groups)
         ]  # fmt: skip
 
@@ -156,7 +157,8 @@ class Result:
     @property
     def detected_of_effective(self) -> Share | None:
         """Detected / injections that change the equipment at all; None where these were drawn in parts."""
-        if self.interrupted or self.campaign.vary or self.campaign.space.by_group:
+        space = self.campaign.space
+        if self.interrupted or self.campaign.vary or space.by_group or space.drawn:
             return None
         detected = self.tally.classes["detected"]
         return share(detected, self.effective, exhaustive=self.exhaustive, confidence=self.campaign.confidence)
@@ -222,7 +224,7 @@ class Result:
             "groups": [{"group": name, "counts": tally.table} for name, tally in self.groups.items()],
             "fmeda": [row.to_json() for row in self.rows],
             "expected": dict(campaign.expect or {}),
-            "expect": {"exhaustive": space.exhaustive},
+            "expect": {"exhaustive": space.exhaustive and not campaign.vary},
             "as_expected": not surprises,
             "surprises": surprises,
             "note": "; ".join(surprises),

@@ -30,10 +30,10 @@ def inject(campaign: Campaign, progress: Progress | None) -> Result:
     meter = _meter(progress, began)
     try:
         while done < total:
-            start, end = time.monotonic(), min(done + size, total)
+            start, end = time.process_time(), min(done + size, total)
             campaign.tick = _part(meter, done / total, end / total)
             found.put(slice(done, end), campaign.judged(done, end))
-            done, size = end, _next_size(size, time.monotonic() - start)
+            done, size = end, _next_size(size, time.process_time() - start)
             meter(done / total)
     except KeyboardInterrupt:
         interrupted = True
@@ -46,7 +46,7 @@ def _part(meter: Callable[[float], None], low: float, high: float) -> Callable[[
 
 
 def _next_size(size: int, seconds: float) -> int:
-    """A range that takes about as long as it should be until the next report of progress."""
+    """A range that keeps the processor busy for about as long as it should be until the next report of progress."""
     return min(LARGEST, size * 4 if seconds < PROGRESS_S / 4 else size * 2 if seconds < PROGRESS_S / 2 else size)
 
 

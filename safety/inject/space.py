@@ -40,6 +40,9 @@ class Group:
     rate of the whole group in 1/h, exact, shared evenly by its faults; `source` says where it comes from and starts
     with its tag, [P], [D], [A] or [R].  `expect` is the row of the result table that is declared, e.g.
     `{"safe/yes": 32, "wrong/yes": 32}`.
+
+    With `drawn=n` the group stands for endlessly many faults, of any drift rate, delay or onset, say: `faults` makes
+    one from a generator (`random.Random`), n are drawn with the campaign's seed, and fractions have bounds.
     """
 
     name: str
@@ -49,6 +52,7 @@ class Group:
     rate_per_h: Fraction | str | None = None
     source: str = ""
     expect: Mapping[str, int] | None = None
+    drawn: int | None = None
 
     def __post_init__(self) -> None:
         if self.rate_per_h is None:
@@ -122,9 +126,14 @@ class Space:
         return self.population if self.chosen is None else len(self.chosen)
 
     @property
+    def drawn(self) -> bool:
+        """Whether some of the faults are drawn from endlessly many."""
+        return any(group.drawn for group in self.groups)
+
+    @property
     def exhaustive(self) -> bool:
-        """Whether every injection of the population is here."""
-        return len(self) == self.population
+        """Whether every injection that there is is here."""
+        return len(self) == self.population and not self.drawn
 
     @cached_property
     def sizes(self) -> Mapping[str, int]:

@@ -3,7 +3,7 @@
 Each mutant of a model (`safety.prove.mutation`) is put to all claims on that model:
 
     counterexample  a proved claim is false in a run of the mutant
-    witness         the run by which a claim shows that its premise happens does not show it any more
+    vacuous         a proved claim says nothing any more: the run that shows its premise does not, or none can
     twin            a claim that must be refuted is proved instead
     proof lost      a proof no longer goes through and no run breaks the claim: whether one would notice is not shown
     equivalent      the mutant steps as the model does, in every state that matters: shown by a solver
@@ -19,8 +19,8 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
-from safety.prove import search
-from safety.prove.claims import PROVED, REFUTED
+from safety.prove import claims, search
+from safety.prove.claims import PROVED, REFUTED, Scenario
 from safety.prove.engines.engine import uses_reals
 from safety.prove.exclusions import exclusions
 from safety.prove.mutation import Mutant
@@ -39,12 +39,12 @@ from safety.prove.outcome import Limits, Outcome
 from safety.prove.problem import Problem, premise_name
 from safety.prove.prove import decide
 from safety.system import ModelError, System
-from safety.terms import Bit
+from safety.terms import Bit, bit
 from safety.terms.graph import variables
 
-COUNTEREXAMPLE, WITNESS, TWIN, PROOF_LOST = "counterexample", "witness", "twin", "proof lost"
+COUNTEREXAMPLE, VACUOUS, TWIN, PROOF_LOST = "counterexample", "vacuous", "twin", "proof lost"
 EQUIVALENT, SLACK, UNDECIDED, UNCLAIMED = "equivalent", "slack", "undecided", "unclaimed"
-KILLED = (COUNTEREXAMPLE, WITNESS, TWIN)
+KILLED = (COUNTEREXAMPLE, VACUOUS, TWIN)
 KINDS = (*KILLED, PROOF_LOST, EQUIVALENT, SLACK, UNDECIDED, UNCLAIMED)
 SHORT = 12  # steps of the search for a run behind a proof that is lost
 FAR = 20  # steps of the search for a run in which a mutant differs
@@ -104,8 +104,6 @@ class _Examination:
         self._drive(doubtful=True)
         self._equivalent_at_power_up()
         self._equivalent_for_claims(self._of_the_step(), found=True)
-        for case in proved:
-            self._witness(case)
         for number in sorted(self.left & (self.lost.keys() | self.open.keys())):
             self._decide(number)
         for case in sorted(self.subject.refuted, key=_length):
@@ -141,12 +139,15 @@ class _Examination:
             yield known, found
 
     def _run(self, case: Case) -> None:
-        """Mutants on the claim's known runs."""
+        """Mutants on the claim's known runs; its witness, if it has one, is the first."""
         for known, found in self._followed(case, self.left & case.sees):
             for number, seen in found.items():
                 if seen.broken is not None and number in self.left:
                     confirmed(self._single(case, number), known, seen.broken)
                     self.settle(number, COUNTEREXAMPLE, case.claim.id, f"after {seen.broken + 1} steps")
+            witness = case.claim.witness
+            if witness is not None and case.claim.scenario is None and known is case.courses[0]:
+                self._witness(case, witness, {number for number, seen in found.items() if not seen.met})
 
     def _single(self, case: Case, number: int) -> Problem:
         return single(case.stated, self.subject.mutants[number])
@@ -164,20 +165,17 @@ class _Examination:
                 case = panel.broken_by(self.subject.mutants[number], course, step)
                 self.settle(number, COUNTEREXAMPLE, case.claim.id, f"after {step + 1} steps")
 
-    def _witness(self, case: Case) -> None:
+    def _witness(self, case: Case, script: Scenario, numbers: set[int]) -> None:
         """Mutants in which the run that shows a claim's premise shows it no more: then nobody accepts the claim."""
-        script = case.claim.witness
-        if script is None:
-            return
-        for number in sorted(self.left & case.sees):
+        for number in sorted(self.left & numbers):
             problem = self._single(case, number)
             try:
                 run = search.scripted(problem, script)
             except ModelError as error:
-                self.settle(number, WITNESS, case.claim.id, str(error))
+                self.settle(number, VACUOUS, case.claim.id, str(error))
                 continue
             if not any(True in run[premise_name(problem, i)] for i in range(len(problem.premises))):
-                self.settle(number, WITNESS, case.claim.id, f"its premise is not met in the {script.steps} steps")
+                self.settle(number, VACUOUS, case.claim.id, f"its premise is not met in the {script.steps} steps")
 
     def _twin(self, case: Case) -> None:
         """A twin kills where it is proved of the mutant; that nothing refutes it in some steps is not enough."""
@@ -195,9 +193,14 @@ class _Examination:
                 self.open.setdefault(number, {})[case] = "neither refuted nor proved"
 
     def _decided(self, case: Case, number: int) -> Outcome:
-        """A claim on a mutant, with lemmas that the tool finds; a proof is tried before runs."""
+        """A claim on a mutant, with lemmas that the tool finds; a proof is tried before runs.
+
+        A twin is false, or it is true: whether its premise can happen is not asked.
+        """
         seconds = DECIDED * self.timeout
         problem = replace(self._single(case, number), lemmas={})
+        if case.claim.expect == REFUTED:
+            problem = replace(problem, premises=(bit(True),))
         plain = replace(problem.claim, witness=None, scenario=None, expect=PROVED)
         engines = 0 if case.proved else seconds  # what induction proves of the model is no riddle for its mutant
         limits = Limits(seconds, synthesis=seconds, simulation=seconds / 2, portfolio=engines)
@@ -209,6 +212,9 @@ class _Examination:
             outcome = self._decided(case, number)
             if outcome.verdict == REFUTED:
                 self.settle(number, COUNTEREXAMPLE, case.claim.id, f"after {outcome.steps} steps")
+                return
+            if outcome.verdict == claims.VACUOUS:
+                self.settle(number, VACUOUS, case.claim.id, outcome.why)
                 return
             if outcome.verdict == PROVED:
                 for some in (self.lost, self.open):

@@ -36,9 +36,10 @@ class Course:
 
 @dataclass
 class Seen:
-    """What a mutant showed on a course: the step at which it broke the claim, and the first difference."""
+    """What a mutant showed on a course: the step at which it broke the claim, a premise met, the first difference."""
 
     broken: int | None = None
+    met: bool = False
     differs: tuple[int, str] | None = None
 
 
@@ -118,7 +119,7 @@ class Lanes:
         self.chosen = {m.number: variable(f"mutant {m.number}", BIT) for m in mutants}
         inputs = [*(s.var for s in self.states), *self.whole.inputs.values(), *self.chosen.values()]
         signals = self.whole.signals
-        shown = [signals[name] for name in ("claim.holds", "claim.given", *self.outputs)]
+        shown = [signals[name] for name in ("claim.holds", "claim.given", "claim.premise", *self.outputs)]
         self.step = compile_lanes(inputs, rewrite([*(s.next for s in self.states), *shown], self._one_hot))
 
     def _one_hot(self, old: Term, args: tuple[Term, ...]) -> Term:
@@ -147,13 +148,16 @@ class Lanes:
         chosen = [np.arange(lanes) == i for i in range(lanes)]
         alive = np.ones(lanes, dtype=np.bool_)
         differs = np.array([seen[m.number].differs is not None for m in self.mutants])
+        met = np.array([seen[m.number].met for m in self.mutants])
         inputs = self._inputs(known.rows[first])
         for k in range(first, len(known.rows)):
             if k > first and known.rows[k] != known.rows[k - 1]:
                 inputs = self._inputs(known.rows[k])
             result = self.step(*state, *inputs, *chosen)
-            holds, given, *rest = result[count:]
+            holds, given, premise, *rest = result[count:]
             alive &= given
+            for lane in map(int, np.flatnonzero(alive & premise & ~met)):
+                seen[self.mutants[lane].number].met = met[lane] = True
             if not differs.all():
                 self._compare([*state[: self.compared], *rest], known.values[k], alive, differs, seen, k)
             for lane in map(int, np.flatnonzero(alive & ~holds)):

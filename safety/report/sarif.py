@@ -50,8 +50,9 @@ def sarif(results: Results) -> str:
     for entry in results.get("campaigns", ()):
         findings = list(_findings(entry))
         found += [_result(entry, finding) for finding in findings[:MOST]]
-        if len(findings) > MOST:
-            notes.append(_note(f"{entry['id']}: {len(findings) - MOST} more results are left out", "warning"))
+        left_out = max(len(findings) - MOST, 0) + max(entry.get("replay_of", 0) - len(entry.get("replay", ())), 0)
+        if left_out:
+            notes.append(_note(f"{entry['id']}: up to {left_out} more results are left out", "warning"))
         if entry.get("error"):
             notes.append(_note(f"{entry['id']}: {entry['error']}", "error"))
     whole = not (results.get("interrupted") or any(note["level"] == "error" for note in notes))
@@ -75,11 +76,12 @@ def _findings(entry: Entry) -> Iterator[Finding]:
     """The results of a campaign, the gravest first."""
     baseline = entry.get("baseline") or {}
     new = baseline.get("new", {})
-    for line in sorted(entry.get("replay", ()), key=lambda line: line.partition("::")[2] not in new):
-        injection = line.partition("::")[2]
+    listed = (line.partition("::")[2] for line in entry.get("replay", ()))
+    for injection in dict.fromkeys([*new, *listed]):  # the results list only the first: a new one may not be among them
         state = ("new" if injection in new else "unchanged") if baseline else ""
         was = f" (in the baseline: {new[injection]})" if injection in new else ""
-        yield Finding("dangerous-undetected", injection, f"{injection} is dangerous and undetected{was}.", line, state)
+        text = f"{injection} is dangerous and undetected{was}."
+        yield Finding("dangerous-undetected", injection, text, f"{entry['id']}::{injection}", state)
     for injection, now in baseline.get("lost", {}).items():
         text = f"{injection} was detected, and is {now.replace('_', ' ')} now."
         yield Finding("lost-detection", injection, text, f"{entry['id']}::{injection}", "new")

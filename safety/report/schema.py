@@ -249,6 +249,7 @@ class Campaign(TypedDict, total=False):
     detected_by: dict[str, Detected]
     target_coverage: Aim | None
     baseline: Compared | None
+    closure: dict[str, Any] | None  # single faults by what settles them, see `safety.report.closing`
     reproducers: list[Reproducer]
     declared: Place | None
     replay: list[str]  # dangerous undetected injections, CAMPAIGN::INJECTION; the first of `replay_of`

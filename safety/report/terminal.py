@@ -128,6 +128,11 @@ def _counts(results: Mapping[str, Any]) -> Iterator[Line]:
         classes = ", ".join(f"{count} {name.replace('_', ' ')}" for name, count in campaign["classes"].items())
         kind = "exhaustive" if campaign["exhaustive"] else "sampled"
         yield Line(_fit(f"{campaign['id']}: {campaign['injections']} injections, {kind}: {classes}"))
+        parts = (campaign.get("closure") or {}).get("parts")
+        if parts:
+            told = ", ".join(f"{part['faults']} {name}" for name, part in parts.items())
+            left = f"; no result of {', '.join(campaign['closure']['open'])}" if campaign["closure"]["open"] else ""
+            yield Line(_fit(f"    single faults by what settles them: {told}{left}"))
         baseline = campaign.get("baseline") or {}
         if baseline.get("better"):
             yield Line(_flat(f"    better than {baseline['file']}: {'; '.join(baseline['better'])}"), "green")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import itertools
+import platform
 import subprocess
 import tempfile
 import time
@@ -20,7 +21,8 @@ from tests.bench.injection_slices import Slices
 from tests.bench.injection_task import healthy, sites, stimulus
 from tests.bench.injection_text import Writer
 
-WIDE, NARROW = ("-march=native",), ("-march=native", "-mno-avx512f")  # registers of 64 bytes where there are, of 32
+WIDE = ("-march=native",)  # registers of 64 bytes where there are
+NARROW = (*WIDE, *(["-mno-avx512f"] if platform.machine() in ("x86_64", "AMD64") else []))  # of 32
 ALIGNED = {"clang++": ("-mstackrealign",)}  # else what it keeps on the stack lies across lines of the cache
 Array = npt.NDArray[np.generic]
 
@@ -38,10 +40,13 @@ class Packed:
 
 
 class VectorC:
-    """64 runs side by side in one core, by `compiler` with `flags`; `wires` is `bytes` or `masks` (AVX-512)."""
+    """Runs side by side in one core, compiled in a folder by `compiler` with `flags`.
+
+    `wires`: `bytes`, `masks` (AVX-512) or `slices`; `lanes` go with the width of a register, 64 or 512 for 64 bytes.
+    """
 
     def __init__(
-        self, task: Task, compiler: str = "g++", flags: Sequence[str] = WIDE, wires: str = "bytes",
+        self, task: Task, folder: Path, compiler: str = "g++", flags: Sequence[str] = WIDE, wires: str = "bytes",
         lanes: int = 64, rows: int = 1,
     ) -> None:  # fmt: skip
         assert task.timing.steps == 1, "a frame is a step here"
@@ -54,8 +59,8 @@ class VectorC:
         )
         self._keep, self._turn = (np.where(wire, 255 * (x & 1), x).astype(np.uint8) for x in (keep, turn))
         self._inputs = [np.array(values, np.int32) for values in stimulus(task).values()]
-        self._folder = tempfile.TemporaryDirectory()
-        source, library = (Path(self._folder.name) / name for name in ("lanes.cpp", "lanes.so"))
+        own = Path(tempfile.mkdtemp(dir=folder))  # a library is known to the loader by its name
+        source, library = own / "lanes.cpp", own / "lanes.so"
         writer = Slices(task, rows) if wires == "slices" else Writer(task, rows)
         source.write_text(writer.program(lanes, wires), encoding="utf-8")
         words = [
@@ -71,7 +76,6 @@ class VectorC:
             str(source),
         ]
         subprocess.run(words, check=True, timeout=300)
-        self.library = library
         self.seconds = 0.0  # of processor time, in the compiled code, of the last batch
         self._run = ctypes.CDLL(str(library)).run
 

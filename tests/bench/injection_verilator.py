@@ -28,16 +28,15 @@ COMPILED = ("-CFLAGS", "-O3 -march=native", "-MAKEFLAGS", 'OPT_FAST="-O3 -march=
 
 
 class Verilator:
-    """One run after the other in one core; raises `FileNotFoundError` where Verilator is not installed."""
+    """One run after the other in one core, compiled in a folder; `FileNotFoundError` where Verilator is missing."""
 
-    def __init__(self, task: Task) -> None:
+    def __init__(self, task: Task, folder: Path) -> None:
         assert task.timing.steps == 1, "a frame is a step here"
         self.task = task
         self.points, self.sites = sites(task)
         self.wires = list(dict.fromkeys((*task.count, *task.watch)))
         self.sorts = [task.system.points[point].sort for point in self.points]
-        self._folder = tempfile.TemporaryDirectory()
-        self.folder = Path(self._folder.name)
+        self.folder = Path(tempfile.mkdtemp(dir=folder))
         (self.folder / "machine.v").write_text(self._verilog(), encoding="utf-8")
         (self.folder / "main.cpp").write_text(self._main(), encoding="utf-8")
         subprocess.run(

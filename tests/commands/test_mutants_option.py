@@ -7,6 +7,7 @@ import pytest
 
 from safety.commands import mutants
 from safety.commands.screen import Screen
+from safety.prove.cache import Cache
 from safety.report.standing import WEAKER
 from tests.commands.conftest import Run, put
 
@@ -54,6 +55,26 @@ def test_claims_that_say_all_leave_nothing(run: Run, project: Path) -> None:
     found = document(project / "out.json")
     left = [each for each in found["mutants"] if each["verdict"] in mutants.LEFT]
     assert (called.code, left) == (0, []), called.err
+
+
+def test_a_piece_that_was_examined_is_not_examined_again(run: Run, project: Path) -> None:
+    """Seen by a mark in what was kept; another claim, or --no-cache, and it is worked out anew."""
+
+    def marked(*more: str) -> bool:
+        called = run("prove", "--mutants", "-j", "1", "--json", "out.json", *more)
+        assert called.code == 0, called.err
+        return any(each["how"] == "the mark" for each in document(project / "out.json")["mutants"])
+
+    put(project, "proofs/counter.py", TIGHT)
+    assert not marked()
+    kept = Cache(project / ".rightside" / "cache", print)
+    (path,) = kept.folder.glob("*.json")
+    record = kept.get(path.stem)
+    kept.put(path.stem, [{**each, "how": "the mark"} for each in record])
+    assert marked()
+    assert not marked("--no-cache")
+    put(project, "proofs/counter.py", TIGHT.replace("s.n >= 8", "s.n > 7"))
+    assert not marked()
 
 
 def test_settings_are_refused_and_nothing_selected_is_said(run: Run, project: Path) -> None:

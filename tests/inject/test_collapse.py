@@ -154,6 +154,14 @@ def test_a_fault_in_the_zone_of_another_is_not_taken_for_apart(monkeypatch: pyte
     assert any(wrong_classes(seed, order)[0] for seed in range(12))
 
 
+def test_faults_at_one_point_keep_their_order() -> None:
+    """The last of a pair at one point is what shows, whichever fault stands for it alone."""
+    faults = [Fault(stuck(0), ["p"]), Fault(stuck(1), ["p"]), Fault(stuck(0), ["p"], name="again")]
+    found = collapse(chains(), faults, LOOKS)
+    assert found.leaders.tolist() == [0, 1, 0]
+    assert found.representatives(np.array([[0, 0, 1], [1, 2, 2]])).T.tolist() == [[0, 1], [0, 2], [1, 2]]
+
+
 @pytest.mark.parametrize("left_out", ["", "q", "d"])
 def test_a_zone_that_lacks_a_point_is_found(monkeypatch: pytest.MonkeyPatch, left_out: str) -> None:
     right = module.Graph.end
@@ -186,14 +194,22 @@ def test_a_campaign_counts_each_fault_of_a_class(campaign: Make) -> None:
     ]
 
 
+@pytest.mark.parametrize("sample", [None, 7])
 @pytest.mark.parametrize("order", [1, 2, 3])
-def test_the_audit_agrees_and_so_does_no_collapsing(campaign: Make, order: int) -> None:
+def test_the_audit_agrees_and_so_does_no_collapsing(campaign: Make, order: int, sample: int | None) -> None:
     faults = [*stuck_bits("sum", "lit", "alarm")(campaign().system), Fault(stuck(1), ["lit"], name="again")]
     found = [
-        campaign(faults=faults, order=order, **how).inject().judged.cells.tolist()
+        campaign(faults=faults, order=order, sample=sample, **how).inject().judged.cells.tolist()
         for how in ({}, {"audit": True}, {"collapsing": False})
     ]
     assert found[0] == found[1] == found[2]
+
+
+def test_the_fault_free_run_is_judged_even_where_nothing_shows(campaign: Make) -> None:
+    idle = {"constant": {"run": True}, "stimulus": {}, "faults": [Fault(stuck(1), ["run"])]}
+    assert campaign(**idle).inject().tally["neutral/no"] == 1
+    with pytest.raises(CampaignError, match="the fault-free run is judged neutral/yes"):
+        campaign(**idle, detected=lambda counts: True).inject()
 
 
 def test_the_audit_finds_a_wrong_class(campaign: Make) -> None:

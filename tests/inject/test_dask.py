@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
-import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -25,8 +24,7 @@ class LocalCluster:
         self.root, self.file = root, root / "scheduler.json"
         self.scheduler = self._start("dask_scheduler", "--port", "0")
         self.workers = [self._start("dask_worker", "--no-nanny", "--nthreads", "1") for _ in range(2)]
-        while not self.file.exists() or not self.file.read_text():
-            time.sleep(0.05)
+        timer.until(lambda: self.file.exists() and self.file.read_text())
         address = json.loads(self.file.read_text())["address"]
         self.address = address.replace("tcp://", "dask://")
 

@@ -9,11 +9,12 @@ import pytest
 
 from safety.faults import ANY_TIME, Fault, flip, stuck
 from safety.inject import Campaign, CampaignError, Group, flipped_bits, stuck_bits
+from safety.inject.classes import CELLS
 from safety.inject.counting import latencies
 from safety.inject.judging import NO_LATENCY, UNDETECTED, Judged
 from safety.model import Model, point, power_up
 from safety.system import ModelError
-from safety.terms import U3, U6, Bit, select
+from safety.terms import U3, U6, Bit, bit, select
 
 
 class Signals(NamedTuple):
@@ -33,7 +34,7 @@ class Boiler(Model, event="tick"):
         valve = point("valve", self.tick >= 60)  # open only at the end, for the fault-free run to be quiet before
         heat = point("heat", valve & ~self.tripped)
         hot = select(point("sensor", heat), select(self.hot < 7, (self.hot + 1).low(3), self.hot), 0)
-        alarm = point("alarm", self.hot >= 4)
+        alarm = point("alarm", (self.hot >= 4) & point("enabled", bit(True)))
         return (
             Boiler(
                 tick=select(self.tick < 63, (self.tick + 1).low(6), self.tick), hot=hot, tripped=self.tripped | alarm
@@ -66,6 +67,8 @@ def test_each_fault_comes_to_what_can_be_told_by_hand() -> None:
         "heat stuck-at-1": "wrong/yes",  # the trip has no hold of it
         "sensor stuck-at-0": "neutral/no",
         "sensor stuck-at-1": "safe/yes",
+        "enabled stuck-at-0": "neutral/no",
+        "enabled stuck-at-1": "neutral/no",
         "alarm stuck-at-0": "neutral/no",
         "alarm stuck-at-1": "safe/yes",
     }
@@ -75,8 +78,10 @@ def test_pairs_defeat_what_singles_do_not() -> None:
     found = cells(boiler(onsets=None, order=2))
     assert [name for name, cell in found.items() if cell == "wrong/no"] == [
         "valve stuck-at-1 & sensor stuck-at-0",
+        "valve stuck-at-1 & enabled stuck-at-0",
         "valve stuck-at-1 & alarm stuck-at-0",
         "heat stuck-at-1 & sensor stuck-at-0",
+        "heat stuck-at-1 & enabled stuck-at-0",
         "heat stuck-at-1 & alarm stuck-at-0",
     ]
 
@@ -236,7 +241,28 @@ def test_latencies_are_counted_by_size() -> None:
 
 def test_upsets_are_flips_at_every_step() -> None:
     declared = boiler(faults=flipped_bits("*"), onsets=range(50), length=1)
-    assert declared.inject().campaign.space.statement == "all 200 single faults at 50 onsets"
+    assert declared.inject().campaign.space.statement == "all 250 single faults at 50 onsets"
     assert declared.space.injection(57).id == "heat flip, transient at 7 for 1"
     with pytest.raises(CampaignError, match="no injection 'heat flip, transient at 7 for 2'"):
         declared.space.find("heat flip, transient at 7 for 2")
+
+
+@pytest.mark.parametrize("order", [1, 2, 3])
+def test_collapsing_keeps_schedules_and_latencies_apart(order: int) -> None:
+    """Faults that begin at different times, that come to the same, and that cannot show."""
+    kinds = [(stuck(1), "heat"), (stuck(1), "enabled"), (stuck(0), "valve"), (stuck(0), "sensor"), (stuck(1), "heat")]
+    faults = [
+        Fault(kind, [place], ANY_TIME, at=at, name=f"{n}, {place} at {at}")
+        for n, (kind, place) in enumerate(kinds)
+        for at in (3, 20, 34)
+    ]
+    declared = boiler(onsets=None, faults=faults, order=order, audit=True)
+    assert not declared.collapse().nothing
+    found = declared.inject().judged
+    for low in range(0, len(declared.space), 11):  # what stands for another may lie in another range
+        high = min(low + 11, len(declared.space))
+        assert declared.judged(low, high).same(Judged(*(array[low:high] for array in found.arrays))).all()
+    for number in range(0, len(declared.space), 17):
+        again = declared.replay(number)
+        latency = None if found.latency[number] == NO_LATENCY else found.latency[number]
+        assert (again.cell, again.latency) == (CELLS[found.cells[number]], latency)

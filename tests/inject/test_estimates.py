@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import random
 from collections.abc import Callable
 from fractions import Fraction
 from typing import Any
@@ -9,10 +10,12 @@ from typing import Any
 import numpy as np
 import pytest
 
+from safety.faults import ANY_TIME, Fault, stuck
 from safety.inject import Campaign, CampaignError, Group, Judged, Result, stuck_bits
 from safety.inject import counting as counting_module
 from safety.inject.classes import CELLS
 from safety.inject.judging import UNMADE
+from safety.kinds import offset
 
 Make = Callable[..., Campaign]
 WRONG, NEUTRAL, FOUND = (CELLS.index(cell) for cell in ("wrong/no", "neutral/no", "wrong/yes"))
@@ -105,3 +108,44 @@ def test_counts_are_the_same_however_they_are_added_up(
     again = given(uneven())
     assert {name: tally.table for name, tally in again.groups.items()} == expected
     assert again.effective == naive.effective
+
+
+# --- faults drawn from endlessly many ---------------------------------------------------------------------------------
+
+
+def some(pick: random.Random) -> Fault:
+    """The sum too high by some number, from some step on."""
+    return Fault(offset(pick.randrange(1, 8)), ["sum"], ANY_TIME, at=pick.randrange(60))
+
+
+def test_faults_that_are_drawn_are_no_whole_space(campaign: Make) -> None:
+    groups = [Group("lamp", stuck_bits("lit")), Group("sum", some, drawn=30)]
+    declared = campaign(faults=groups, seed=3)
+    assert declared.space.statement == "all 32 single faults, 30 of them drawn with seed 3"
+    assert [i.id for i in declared.space.injections] == [i.id for i in campaign(faults=groups, seed=3).space.injections]
+    assert len({i.faults[0].at for i in declared.space.injections}) > 10
+    found = declared.inject()
+    assert not found.exhaustive and found.to_json()["expect"] == {"exhaustive": False}
+    share = found.dangerous_undetected_of_all
+    assert share is not None and share.exact is None and share.low < share.value < share.high
+    for number in range(0, 32, 5):
+        assert declared.replay(number).cell == found.cell(number)
+
+
+def test_rates_weigh_what_is_drawn_with_bounds(campaign: Make) -> None:
+    groups = [
+        Group("lamp", stuck_bits("lit"), rate_per_h="1e-8", source="[A] invented"),
+        Group("sum", some, rate_per_h="1e-8", source="[A] invented", drawn=20),
+    ]
+    found = campaign(faults=groups).inject()
+    first, second = (row.to_json() for row in found.rows)
+    assert (first["exhaustive"], second["exhaustive"]) == (True, False)
+    low, high = second["bounds"]["lambda_du"]
+    assert low < second["lambda_du"] < high <= 1e-8
+
+
+@pytest.mark.parametrize("changes", [{"order": 2}, {"onsets": range(9)}, {"sample": 3}])
+def test_what_is_drawn_is_injected_once(campaign: Make, changes: dict[str, Any]) -> None:
+    still = Group("still", lambda pick: Fault(stuck(pick.randrange(2)), ["lit"]), drawn=4)
+    with pytest.raises(CampaignError, match="is injected once a fault, singly"):
+        campaign(faults=[still], **changes).inject()

@@ -33,13 +33,17 @@ def pieces(root: Path, what: str = "begin") -> int:
     return sum(timer.told(root)[what].values())
 
 
+def reach(root: Path, process: subprocess.Popen[str], number: float) -> None:
+    """Wait until so many pieces have been begun, or the driver has ended."""
+    timer.until(lambda: pieces(root) >= number or process.poll() is not None)
+
+
 def run_and_kill(root: Path, store: Path, pick: random.Random, *, of_26: float) -> int:
     """Run the campaign; kill a worker at some moment and the driver at another; returns how many workers fell."""
     process, before, killed = timer.driver(root, store), pieces(root), 0
     first, second = sorted(pick.uniform(0, of_26) for _ in range(2))
     for share, whom in ((first, "worker"), (second, "driver")):
-        while pieces(root) - before < share * 26 and process.poll() is None:
-            time.sleep(0.005)
+        reach(root, process, before + share * 26)
         time.sleep(pick.uniform(0, 0.04))
         there = timer.workers(root, process.pid)
         if whom == "worker" and there:
@@ -60,7 +64,7 @@ def kill_again_and_again(root: Path, store: Path, undisturbed: dict[str, bytes],
         there = {name: data for name, data in files_if_any(store).items() if name not in left}
         assert there.items() <= undisturbed.items(), "a shard is there whole, or not at all"
     last = timer.driver(root, store)
-    said, _ = last.communicate(timeout=60)
+    said, _ = last.communicate(timeout=timer.PATIENCE_S)
     assert (last.returncode, said.splitlines()[-1:]) == (0, ["() 0"]), said
     found = files_if_any(store)
     assert {name: data for name, data in found.items() if not name.startswith(stores.NEW)} == undisturbed
@@ -81,10 +85,9 @@ def test_killed_workers_cost_nothing_but_time(root: Path, undisturbed: dict[str,
     (root / "log").unlink(missing_ok=True)
     process, pick = timer.driver(root, root / "workers"), random.Random(4)
     for done in (3, 10, 17):
-        while pieces(root) < done:
-            time.sleep(0.005)
+        reach(root, process, done)
         timer.kill(pick.choice(timer.workers(root, process.pid)))
-    said, _ = process.communicate(timeout=60)
+    said, _ = process.communicate(timeout=timer.PATIENCE_S)
     assert said.splitlines() == ["() 0"]
     assert files_if_any(root / "workers") == undisturbed
     assert pieces(root) <= len(undisturbed) + 3
@@ -107,7 +110,7 @@ def test_a_driver_killed_before_it_is_ready_costs_nothing(root: Path, undisturbe
         process.communicate()
     timer.wait_for_workers_to_end(root)
     last = timer.driver(root, root / "early")
-    last.communicate(timeout=60)
+    last.communicate(timeout=timer.PATIENCE_S)
     assert last.returncode == 0
     assert timer.files(timer.opened(root, root / "early").folder) == undisturbed
 
@@ -125,7 +128,7 @@ def test_a_piece_that_ends_its_worker_each_time_is_given_up_and_the_rest_goes_on
     poison = timer.CAMPAIGN.replace('log(f"begin {low}")', 'log(f"begin {low}"); os._exit(9) if low == 80 else None')
     (root / "proofs" / "timer.py").write_text(poison)
     process = timer.driver(root, tmp_path / "store")
-    said, _ = process.communicate(timeout=60)
+    said, _ = process.communicate(timeout=timer.PATIENCE_S)
     assert "timer: injections 80 to 119 are given up: 3 workers died of it, the last by exit code 9" in said
     assert said.strip().endswith(" 1"), "one range is missing"
     assert timer.told(root)["begin"][80] == 3

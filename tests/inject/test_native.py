@@ -37,10 +37,23 @@ def short_stretches(monkeypatch: pytest.MonkeyPatch) -> None:
         monkeypatch.setattr(sweep, name, number)
 
 
+EACH = [(seed, processor) for seed in range(60) for processor in TARGETS]
+FEW = {(seed, list(TARGETS)[seed % len(TARGETS)]) for seed in range(3)}
+
+
 @pytest.mark.parametrize("processor", TARGETS)
-@pytest.mark.parametrize("seed", [*range(3), *(pytest.param(n, marks=pytest.mark.slow) for n in range(3, 60))])
-def test_outcome_is_that_of_the_python_run(seed: int, processor: str) -> None:
-    task = random_task(seed, Timing(3, 24, 8, 1 + (seed % 4 == 1)), atoms=16)
+def test_outcome_of_masks_is_that_of_the_python_run(processor: str) -> None:
+    compare(random_task(8, masks_only=True), 8, processor)
+
+
+@pytest.mark.parametrize(
+    ("seed", "processor"), [pytest.param(*one, marks=[] if one in FEW else pytest.mark.slow) for one in EACH]
+)
+def test_outcome_of_all_kinds_is_that_of_the_python_run(seed: int, processor: str) -> None:
+    compare(random_task(seed, Timing(3, 24, 8, 1 + (seed % 4 == 1)), atoms=10), seed, processor)
+
+
+def compare(task: Task, seed: int, processor: str) -> None:
     batch = random_batch(task, seed, RUNS)
     found = NativeEngine(task, target=TARGETS[processor]).run(batch)
     assert apart_from_python(task, batch, found, range(0, RUNS, 2)) == []
@@ -54,8 +67,11 @@ def test_outcome_is_that_of_the_python_run(seed: int, processor: str) -> None:
 
 @pytest.mark.parametrize("seed", range(4))
 def test_what_is_left_out_changes_nothing(seed: int, short_stretches: None) -> None:
-    task = random_task(seed, Timing(5, 40, 10, 1), atoms=20, masks_only=seed % 2 == 0)
+    masks_only = seed % 2 == 0
+    task = random_task(seed, Timing(5, 40, 10, 1), atoms=20 if masks_only else 6, masks_only=masks_only)
     batch = random_batch(task, seed, 500)
+    batch.atoms[:, ::50] = NONE
+    batch.first[:, 1::50] = NEVER - 1
     whole = NativeEngine(task, prune=False).run(batch)
     assert differences(NativeEngine(task).run(batch), whole) == []
 
@@ -91,7 +107,7 @@ def test_an_empty_batch() -> None:
 
 def test_more_faults_than_are_built_in_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(engine, "MOST_BUILT_IN", 3)
-    task = random_task(3, atoms=16)
+    task = random_task(3, atoms=10)
     batch = random_batch(task, 3, 24)
     assert apart_from_python(task, batch, NativeEngine(task).run(batch), range(24)) == []
 

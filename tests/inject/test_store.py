@@ -9,16 +9,22 @@ import sqlite3
 import stat
 import subprocess
 import sys
+import threading
+import time
 from collections.abc import Callable
+from concurrent.futures import Executor, ProcessPoolExecutor, ThreadPoolExecutor
+from multiprocessing import get_context
 from pathlib import Path
-from typing import Any
+from types import SimpleNamespace
+from typing import Any, cast
 
 import pytest
 
 from safety.commands.declared import Declared
-from safety.inject import CampaignError
+from safety.inject import Campaign, CampaignError
 from safety.inject.store import Part, Store, Stored, StoreError, campaign_key, open_executor, run_sharded
 from safety.inject.store import store as stores
+from safety.inject.store.running import cuts, shard_size
 from safety.inject.store.shards import decode, encode
 from safety.project import ProjectError
 from tests.inject import timer_project as timer
@@ -146,9 +152,33 @@ def test_a_list_too_long_for_the_ledger_is_read_from_the_shards(
     assert stored.undetected() == whole.undetected()
 
 
+@pytest.mark.parametrize("kind", [ThreadPoolExecutor, ProcessPoolExecutor])
+def test_any_executor_will_do(kind: type[Executor], root: Path, whole: Stored, tmp_path: Path) -> None:
+    find, options = Declared(str(root), "timer"), {"mp_context": get_context("spawn")}
+    with kind(3, **(options if kind is ProcessPoolExecutor else {})) as executor:  # type: ignore[call-arg]
+        stored = run_sharded(find(), find, Store(tmp_path), executor, size=timer.SIZE)
+    assert timer.files(stored.folder) == timer.files(whole.folder)
+
+
+def test_threads_take_turns(root: Path, whole: Stored, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A worker of Dask may have many threads, and a campaign has one engine."""
+    kind, inside = type(whole.campaign), threading.Lock()
+
+    def alone(self: Any, low: int, high: int) -> Any:
+        assert inside.acquire(blocking=False), "two at a time"
+        time.sleep(0.001)
+        found = kind.__base__.judged(self, low, high)
+        inside.release()
+        return found
+
+    monkeypatch.setattr(kind, "judged", alone)
+    with ThreadPoolExecutor(4) as executor:
+        assert run_sharded(whole.campaign, lambda: whole.campaign, Store(tmp_path), executor, size=timer.SIZE).complete
+
+
 def test_two_drivers_in_one_store_do_not_harm_each_other(root: Path, whole: Stored, tmp_path: Path) -> None:
     both = [timer.driver(root, tmp_path, "serial") for _ in range(2)]
-    said = [process.communicate(timeout=60)[0] for process in both]
+    said = [process.communicate(timeout=timer.PATIENCE_S)[0] for process in both]
     assert [process.returncode for process in both] == [0, 0], said
     assert timer.files(timer.opened(root, tmp_path).folder) == timer.files(whole.folder)
 
@@ -245,12 +275,12 @@ def test_a_damaged_ledger_loses_nothing(
 
 def test_documents_of_a_ledger_outlive_its_making_anew(make: Make) -> None:
     stored = make()
-    stored.store.asked(lambda ledger: ledger.keep(stored.key, "fmeda", [{"du": "1e-9"}]))
+    for document in ("1e-9", "1e-9", "2e-9"):
+        stored.keep("fmeda", [{"du": document}])
     stored.store.rebuild()
     again = make()
-    assert [document for _, document in again.store.asked(lambda ledger: ledger.kept(again.key, "fmeda"))] == [
-        [{"du": "1e-9"}]
-    ]
+    assert [document for _, document in again.kept("fmeda")] == [[{"du": "1e-9"}], [{"du": "2e-9"}]]
+    assert again.kept("baseline") == []
     assert again.store.asked(lambda ledger: ledger.campaigns()) == {again.key: ("timer", 1040)}
 
 
@@ -276,7 +306,7 @@ def test_files_that_may_not_grow_are_told_of(root: Path, whole: Stored, tmp_path
     """A real limit of the operating system, which the ledger meets first."""
     process = subprocess.run(
         [sys.executable, timer.__file__, str(root), str(tmp_path), "serial"],
-        env=timer.environment(root), capture_output=True, text=True, timeout=60,
+        env=timer.environment(root), capture_output=True, text=True, timeout=timer.PATIENCE_S,
         preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (42_000, 42_000)),
     )  # fmt: skip
     assert "StoreError" in process.stderr and "the shards are kept" in process.stderr
@@ -297,6 +327,20 @@ def test_a_store_that_cannot_be_written_is_told(whole: Stored, tmp_path: Path) -
 def test_a_part_is_i_of_n(text: str) -> None:
     with pytest.raises(StoreError, match=r"write i/n with i from 1 to n, e\.g\. 2/8"):
         Part.parse(text)
+
+
+def test_cuts_follow_from_the_campaign_alone(whole: Stored) -> None:
+    """About a second of work each, whoever does it; 64 times as long a run, so many fewer injections."""
+    longer = SimpleNamespace(frames=64 * whole.campaign.timing.frames, steps=1)
+    found = [
+        shard_size(cast(Campaign, SimpleNamespace(system=whole.campaign.system, timing=timing, space=range(number))))
+        for number, timing in [
+            (1040, whole.campaign.timing), (10**8, whole.campaign.timing), (10**9, whole.campaign.timing),
+            (10**9, longer), (10**9, SimpleNamespace(frames=10**9, steps=1)),
+        ]
+    ]  # fmt: skip
+    assert found == [2**16, 2**21, 2**22, 2**22, 2**16]
+    assert cuts(100, 40) == [(0, 40), (40, 80), (80, 100)] and cuts(80, 40) == [(0, 40), (40, 80)]
 
 
 def test_parts_divide_the_shards(make: Make) -> None:

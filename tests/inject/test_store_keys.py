@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from safety.commands.declared import Declared
+from safety.inject import CampaignError
 from safety.inject.store import campaign_key, keys
 from safety.inject.store.shards import StoreError
 from tests.inject import timer_project as timer
@@ -160,6 +161,22 @@ def test_the_key_is_the_same_in_every_process(tmp_path: Path) -> None:
         for seed in ("1", "2")
     }  # fmt: skip
     assert len(said) == 1
+
+
+def test_running_a_campaign_does_not_change_its_key(tmp_path: Path) -> None:
+    root = timer.write(tmp_path)
+    (root / "proofs" / "timer.py").write_text(
+        BY_FUNCTIONS.replace("RIDE = Ride(True)", "RIDE = Ride(True)\nBOUND = Bound(3)")
+        .replace("class Way(Enum)", "class Bound:\n    def __init__(self, n): self.n = n\n\n    @cached_property\n"
+                 "    def most(self): return self.n + 7\n\nclass Way(Enum)")
+        .replace("import partial", "import cached_property, partial")
+        .replace("> RIDE.most", "> BOUND.most").replace("equipment.FAR", "1000")
+    )  # fmt: skip
+    campaign = Declared(str(root), "timer")()
+    before = campaign_key.__wrapped__(campaign)
+    with pytest.raises(CampaignError, match="the fault-free run is judged wrong"):  # so the judges have run
+        campaign.inject()
+    assert campaign_key.__wrapped__(campaign) == before
 
 
 def test_what_cannot_be_written_down_has_no_key(key_of: Callable[..., str]) -> None:

@@ -37,7 +37,8 @@ def test_each_scenario_has_all_injections(varied: Make) -> None:
     found = declared.inject()
     assert [tally.injections for tally in found.by_scenario.values()] == [14] * 4
     assert not found.exhaustive
-    assert found.to_json()["scenarios"][0].keys() == {"drawn", "counts"}
+    entry = found.to_json()
+    assert entry["scenarios"][0].keys() == {"drawn", "counts"} and entry["expect"] == {"exhaustive": False}
 
 
 def test_what_is_drawn_repeats_with_its_seed_and_scenario(varied: Make) -> None:

@@ -6,6 +6,7 @@ import shutil
 from collections.abc import Iterator
 from dataclasses import replace
 from itertools import pairwise
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -22,7 +23,7 @@ from tests.bench.injection_verilator import Verilator
 
 RUNS, MOST = 1000, 3
 needs_verilator = pytest.mark.skipif(shutil.which("verilator") is None, reason="Verilator is not installed")
-COMPILERS = [c for c in ("g++", "clang++") if shutil.which(c)]
+COMPILERS = ["clang++", pytest.param("g++", marks=pytest.mark.slow)]
 
 
 @pytest.fixture(scope="module")
@@ -37,23 +38,27 @@ def ours(task: Task) -> Engine:
 
 @pytest.mark.slow
 @needs_verilator
-def test_a_thousand_random_faults_in_verilator(task: Task, ours: Engine) -> None:
-    verilator, batch = Verilator(task), at_random(task, RUNS, seed=1, most=MOST)
+def test_a_thousand_random_faults_in_verilator(task: Task, ours: Engine, tmp_path: Path) -> None:
+    verilator, batch = Verilator(task, tmp_path), at_random(task, RUNS, seed=1, most=MOST)
     seen = ours.run(batch)
     assert same(verilator.golden, ours.golden)
     assert same(verilator.run(batch), seen)
     assert not same(verilator.run(replace(batch, first=batch.first + 1)), seen)  # a frame late is seen
 
 
-@pytest.mark.skipif(not COMPILERS, reason="neither g++ nor clang++ is installed")
-def test_a_thousand_random_faults_in_vectors_of_c(task: Task, ours: Engine) -> None:
+@pytest.mark.parametrize(("wires", "lanes"), [("bytes", 32), pytest.param("slices", 256, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("compiler", COMPILERS)
+def test_a_thousand_random_faults_in_vectors_of_c(
+    task: Task, ours: Engine, tmp_path: Path, compiler: str, wires: str, lanes: int
+) -> None:
+    if shutil.which(compiler) is None:
+        pytest.skip(f"{compiler} is not installed")
     batch = at_random(task, RUNS, seed=2, most=MOST)
     seen = ours.run(batch)
-    for compiler in COMPILERS:
-        vectors = VectorC(task, compiler, NARROW, lanes=32, rows=MOST)
-        assert same(vectors.golden, ours.golden)
-        assert same(vectors.run(batch), seen)
-        assert not same(vectors.run(replace(batch, end=np.minimum(batch.end, 900))), seen)
+    vectors = VectorC(task, tmp_path, compiler, NARROW, wires, lanes, rows=MOST)
+    assert same(vectors.golden, ours.golden)
+    assert same(vectors.run(batch), seen)
+    assert not same(vectors.run(replace(batch, end=np.minimum(batch.end, 900))), seen)
 
 
 def test_a_few_of_them_in_python(task: Task, ours: Engine) -> None:
@@ -90,10 +95,10 @@ def exchange() -> Iterator[Task]:
 
 @pytest.mark.slow
 @needs_verilator
-def test_registers_that_exchange_their_values_in_verilator(exchange: Task) -> None:
+def test_registers_that_exchange_their_values_in_verilator(exchange: Task, tmp_path: Path) -> None:
     batch = at_random(exchange, 200, seed=4, most=2)
     expected = Python(exchange).run(batch)
-    assert same(Verilator(exchange).run(batch), expected)
+    assert same(Verilator(exchange, tmp_path).run(batch), expected)
     assert same(engine_for(exchange)[0].run(batch), expected)
 
 

@@ -8,6 +8,7 @@ import subprocess
 import sys
 import time
 from collections import Counter
+from collections.abc import Callable
 from pathlib import Path
 
 from safety.commands.declared import Declared
@@ -16,6 +17,7 @@ from safety.inject.store import Store, Stored, campaign_key, open_executor, run_
 ROOT = Path(__file__).resolve().parents[2]
 SIZE = 40  # injections of a shard
 WORKERS = 2
+PATIENCE_S = 180.0  # with anything that happens in a process
 
 MODEL = """
 from __future__ import annotations
@@ -115,11 +117,18 @@ def told(root: Path) -> dict[str, Counter[int]]:
     return found
 
 
+def until(happened: Callable[[], object]) -> None:
+    """Wait for something to happen."""
+    end = time.monotonic() + PATIENCE_S
+    while not happened():
+        assert time.monotonic() < end, "it has not happened"
+        time.sleep(0.005)
+
+
 def wait_for_workers_to_end(root: Path) -> None:
     """Until no process of the campaign's is left: their driver is gone, they end after the piece in hand."""
     marker = f"LOG={root / 'log'}".encode()
-    while any(marker in content for content in _environments()):
-        time.sleep(0.02)
+    until(lambda: not any(marker in content for content in _environments()))
 
 
 def workers(root: Path, driver: int) -> list[int]:

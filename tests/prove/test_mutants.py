@@ -22,7 +22,7 @@ from safety.prove.mutants import (
     TWIN,
     UNCLAIMED,
     UNDECIDED,
-    WITNESS,
+    VACUOUS,
     Fate,
     examine,
 )
@@ -307,7 +307,7 @@ def test_a_witness_that_shows_nothing_any_more_kills() -> None:
     """The claim is true of a climber that stands still, too; the run that is to reach its premise does not."""
     seen = asked(climbs_to_four, Climber, id="seen", witness=CLIMBS)
     found = fate("go: stuck at 0", seen)
-    assert (found.kind, found.claim) == (WITNESS, "seen")
+    assert (found.kind, found.claim) == (VACUOUS, "seen")
     assert fate("go: stuck at 1", seen).kind == SLACK
 
 

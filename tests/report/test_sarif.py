@@ -118,7 +118,7 @@ def test_fingerprints_stay_when_other_faults_are_added_and_lines_move() -> None:
 def test_fingerprints_differ_between_injections_campaigns_and_rules() -> None:
     found = results(entry("a", "b"), entry("a", id="other"), entry(id="third", baseline=COMPARED | {"lost": {"a": ""}}))
     prints = [one["partialFingerprints"][FINGERPRINT] for one in found]
-    assert len(set(prints)) == len(prints) == 5
+    assert len(set(prints)) == len(prints) == 6
 
 
 def test_more_than_a_page_takes_is_left_out_aloud(valid: Any, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -129,7 +129,16 @@ def test_more_than_a_page_takes_is_left_out_aloud(valid: Any, monkeypatch: pytes
     assert [one["locations"][0]["logicalLocations"][0]["fullyQualifiedName"] for one in run["results"]] == [
         "ring::d", "ring::a",
     ]  # fmt: skip
-    assert run["invocations"][0]["toolExecutionNotifications"][0]["message"]["text"].startswith("ring: 4 more results")
+    assert run["invocations"][0]["toolExecutionNotifications"][0]["message"]["text"].startswith("ring: up to 4 more ")
+
+
+def test_a_new_one_that_the_results_do_not_list_is_there_all_the_same() -> None:
+    found = log(entry("a", replay_of=7, baseline=COMPARED | {"new": {"z": "safe"}, "lost": {}, "unclear": {}}))
+    (run,) = found["runs"]
+    assert [(one["message"]["text"].split()[1], one["baselineState"]) for one in run["results"]] == [
+        ("z", "new"), ("a", "unchanged"),
+    ]  # fmt: skip
+    assert "6 more results" in run["invocations"][0]["toolExecutionNotifications"][0]["message"]["text"]
 
 
 def test_an_unfinished_run_says_so() -> None:

@@ -23,7 +23,7 @@ PARAMETERS = (
 )  # fmt: skip
 NUMBERS = {"groups", "going_on", "start", "stop", "wide", "prune", "columns", "blocks"}
 # going_on: so many groups, the first, begin at step `start` with the lanes of `before`; all end before step `stop`,
-# where `after` takes their lanes, and `apart` those of each group that are not as the fault-free run, in 8 bytes;
+# where `apart` says of each group which lanes are not as the fault-free run, in 8 bytes, and `after` takes these;
 # wide: faults a run has at most; atoms, first, end: (wide, groups x lanes) of int32; column: of each lane, the last
 # where it has none; entry: where each atom's entries begin, and the last's end; passing: `taps` without faults;
 # counts: (wires, blocks, columns) of int32 and came: (watched, columns), both to be added to.
@@ -112,7 +112,7 @@ class Driver:
         with k.when(going_on):
             self.now.set(self.given["start"])
             self.next.set(self.given["start"])
-            k.run("@take", f"ptr {self.before.value}", f"ptr {self._kept('before')}")
+            self.kernel.take_lanes(k, self.before.value, self._kept("before"))
 
     def _kept(self, name: str) -> str:
         """Where the lanes of this group are kept, a record each."""
@@ -180,10 +180,10 @@ class Driver:
         k, kind = self.k, self.k.number
         self._flush()
         with k.when(k.is_("ne", "ptr", self.given["after"], "null")):
-            k.run("@give", f"ptr {self.before.value}", f"ptr {self._kept('after')}")
             apart = k.op(f"call {kind} @diverged(ptr {self.before.value}, ptr {self._row()})")
             place = k.at(self.given["apart"], k.op(f"mul i64 {group}, {self.kernel.word}"))
             k.store(kind, apart, place, align=8)
+            self.kernel.give_lanes(k, self.before.value, self._kept("after"), apart)
         with k.when(k.is_("ne", "i64", self.active.value, 0)):
             k.intrinsics.add("declare void @llvm.memcpy.p0.p0.i64(ptr, ptr, i64, i1)")
             whole = f"ptr {self.given['taps']}, ptr {self.given['passing']}, i64 {self.kernel.taps_size}"

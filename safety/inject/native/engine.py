@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     Array = npt.NDArray[Any]
 
 MOST_BUILT_IN = 64
+MOST_PROGRAMS = 64  # kept, besides that of all masks
 REDUCING_PAYS = 2**28  # runs times steps
 
 Slot = tuple[int, int]  # a fault that is built in: its row in the batch, its atom
@@ -173,6 +174,8 @@ class NativeEngine:
             faults = [self.task.atoms[atom] for _, atom in slots]
             system = tapped(self.task.system, self._points if carries else (), faults)
             acts = [*(found or {} if carries else {} for found in self._masks), *range(len(slots))]
+            if len(self._programs) >= MOST_PROGRAMS:
+                del self._programs[next(iter(self._programs))]
             self._programs[slots, carries] = Program(self.task, system, acts, lambda: self._stimulus, self.target)
         return self._programs[slots, carries]
 

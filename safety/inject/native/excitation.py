@@ -59,6 +59,7 @@ class Excitation:
         none = len(masks)
         self._pair = np.full((none + 1, none + 1), -1)  # the row of a pair in the next; the last stands for unknown
         self._pairs_change = np.ones((1, none + 1), np.bool_)
+        self._threes = 0  # runs of three faults asked for until now
 
     def changes(self, atoms: Array) -> Array:
         """For each run of faults, of shape (k, runs), the atoms that would change something in it: (runs, atoms + 1).
@@ -148,7 +149,8 @@ class Excitation:
         there[-1] = False
         both = self._alone & self._alone.T & ~self._share & there & there[:, None] & (self._pair < 0)
         x, y = np.nonzero(np.triu(both))
-        if not len(x) or len(x) > MOST_PAIRS or atoms.shape[1] < PAYS * len(x):
+        self._threes += atoms.shape[1]
+        if not len(x) or len(x) > MOST_PAIRS or self._threes < PAYS * len(x):
             return
         known = len(self._pairs_change) - 1
         self._pair[x, y] = self._pair[y, x] = known + np.arange(len(x))

@@ -180,26 +180,24 @@ class Kernel:
         return np.ascontiguousarray(records).view(self.kept.type)[:, 0][f"v{register}"]
 
     def give(self) -> Routine:
-        """`give(state, records)`: every lane as a record."""
-        return self._lane_by_lane("give")
+        """`give(state, lane, record)`: a lane as a record."""
+        return self._of_lane("give")
 
     def take(self) -> Routine:
-        """`take(state, records)`: every lane from its record."""
-        return self._lane_by_lane("take")
+        """`take(state, lane, record)`: a lane from its record."""
+        return self._of_lane("take")
 
-    def _lane_by_lane(self, name: str) -> Routine:
-        k = Routine(self.target, name, ["ptr noalias %state", "ptr noalias %records"])
-        with k.each(0, k.lanes) as lane:
-            record = k.at("%records", k.op(f"mul i64 {lane}, {self.kept.type.itemsize}"))
-            for s in self.registers:
-                place, kind = k.at("%state", self.state.offsets[s.var.uid]), f"i{8 * bytes_of(s.var)}"
-                inside = self.kept.places[s.var.uid]
-                if s.var.sort == BIT and k.packed:
-                    self._packed_lane(k, name, place, lane, k.at(record, inside))
-                elif name == "give":
-                    k.store(kind, k.load(kind, k.element(place, kind, lane)), record, inside)
-                else:
-                    k.store(kind, k.load(kind, record, inside), k.element(place, kind, lane))
+    def _of_lane(self, name: str) -> Routine:
+        k = Routine(self.target, name, ["ptr noalias %state", "i64 %lane", "ptr noalias %record"])
+        for s in self.registers:
+            place, kind = k.at("%state", self.state.offsets[s.var.uid]), f"i{8 * bytes_of(s.var)}"
+            inside = self.kept.places[s.var.uid]
+            if s.var.sort == BIT and k.packed:
+                self._packed_lane(k, name, place, "%lane", k.at("%record", inside))
+            elif name == "give":
+                k.store(kind, k.load(kind, k.element(place, kind, "%lane")), "%record", inside)
+            else:
+                k.store(kind, k.load(kind, "%record", inside), k.element(place, kind, "%lane"))
         return k
 
     def _packed_lane(self, k: Routine, name: str, place: str, lane: str, record: str) -> None:
@@ -216,6 +214,19 @@ class Kernel:
             bit = k.load("i8", record)
             bit = k.op(f"shl {kind} {k.op(f'zext i8 {bit} to {kind}')}, {shift}")
             k.store(kind, k.op(f"or {kind} {others}, {bit}"), place)
+
+    def take_lanes(self, k: Routine, state: str, records: str) -> None:
+        """Write what takes each lane of a group from its record."""
+        with k.each(0, k.lanes) as lane:
+            k.run("@take", f"ptr {state}", f"i64 {lane}", f"ptr {self._record_of(k, records, lane)}")
+
+    def give_lanes(self, k: Routine, state: str, records: str, lanes: str) -> None:
+        """Write what gives some lanes of a group, at least, as records."""
+        with k.each_bit(lanes) as lane:
+            k.run("@give", f"ptr {state}", f"i64 {lane}", f"ptr {self._record_of(k, records, lane)}")
+
+    def _record_of(self, k: Routine, records: str, lane: str) -> str:
+        return k.at(records, k.op(f"mul i64 {lane}, {8 * self.words}"))
 
     def helpers(self) -> list[Routine]:
         """Functions that these call."""

@@ -166,6 +166,12 @@ class Planes(Kernel):
     def take(self) -> Routine:
         return self._squares("take")
 
+    def take_lanes(self, k: Routine, state: str, records: str) -> None:
+        k.run("@take", f"ptr {state}", f"ptr {records}")
+
+    def give_lanes(self, k: Routine, state: str, records: str, lanes: str) -> None:
+        k.run("@give", f"ptr {state}", f"ptr {records}")
+
     def _squares(self, name: str) -> Routine:
         """64 planes and 64 lanes at a time."""
         k = Routine(self.target, name, ["ptr noalias %state", "ptr noalias %records"])

@@ -188,6 +188,8 @@ class Program:
         parameters = np.array(addresses, np.int64)
         self._run(parameters.ctypes.data)
         bits = np.unpackbits(apart.view(np.uint8), bitorder="little").reshape(groups, 8 * kernel.word)[:, :lanes].ravel()
+        if keep:
+            records[bits == 0] = self.kept(stop)
         return Stretch(first, counts[:, :, :-1], came[:, :-1], records[known] if keep else records, bits[known] > 0)
 
     def _whole_groups(self, columns: Array) -> Array:

@@ -233,5 +233,5 @@ class Routine(Writer):
     def text(self) -> str:
         """The function, complete but for the declarations of its `intrinsics`."""
         head = f"define {self.result} @{self.name}({', '.join(self.parameters)}) {ATTRIBUTES}{self.attributes} {{"
-        ended = [*self.lines] if self.lines[-1].startswith("ret ") else [*self.lines, "ret void"]
+        ended = [*self.lines, *(["ret void"] if self.result == "void" else [])]
         return "\n".join([head, *(f"  {x}" for x in (*self.locals, "br label %begin", "begin:", *ended)), "}"])

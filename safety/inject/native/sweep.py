@@ -81,7 +81,8 @@ def _legs(program: Program, batch: Batch, length: int) -> list[_Leg]:
     start = 0
     while start < total:
         stop = min(start + length, total)
-        new = np.arange(*np.searchsorted(begins, [start, stop]))
+        low, high = np.searchsorted(begins, [start, stop])
+        new = np.arange(low, len(begins) if stop == total else high)  # with the last those that never begin
         more = _columns(batch, int(new[0]), int(new[-1]) + 1) if len(new) else _columns(batch, 0, 0)
         runs = Batch(*(np.concatenate([getattr(b, n) for b in (going_on, more)], axis=1) for n in NAMES))
         seen = program.stretch(runs, start, stop, kept=kept, keep=stop < total)
@@ -134,10 +135,10 @@ def _digest(words: Array) -> Array:
     """A number for each row; equal rows have equal numbers."""
     import numpy as np
 
-    odd = np.random.default_rng(0).integers(0, 2**63, (2, words.shape[1]), np.uint64) * np.uint64(2) + np.uint64(1)
-    mixed = words * odd[0]
+    odd = np.random.default_rng(0).integers(0, 2**63, words.shape[1], np.uint64) * np.uint64(2) + np.uint64(1)
+    mixed = words * odd
     mixed ^= mixed >> np.uint64(29)
-    digest: Array = (mixed * odd[1]).sum(axis=1)
+    digest: Array = mixed.sum(axis=1)
     return digest
 
 

@@ -134,7 +134,13 @@ class _CampaignText(Text):
         except NoKeyError:
             if not hasattr(value, "__dict__"):
                 raise
-            return self._once(vars(value), lambda content: ["object", _home(type(value)), self.of(content)])
+            return self._once(vars(value), lambda own: ["object", _home(type(value)), self._given(value, own)])
+
+    def _given(self, value: Any, own: Mapping[str, Any]) -> Any:
+        """What an object was given, without what it has worked out and kept."""
+        kind = type(value)
+        kept = functools.cached_property
+        return self.of({name: held for name, held in own.items() if not isinstance(getattr(kind, name, None), kept)})
 
     def _once(self, value: Any, write: Any) -> Any:
         if id(value) in self.met:

@@ -104,7 +104,7 @@ class Ledger:
             return list(base.execute(question, (key,)))
 
     def keep(self, key: str, kind: str, document: Any) -> None:
-        """Keep plain data with a campaign: `kind` is a word such as "fmeda" or "baseline"."""
+        """Keep plain data with a campaign."""
         made = datetime.now(UTC).isoformat(timespec="seconds")
         with self._open("FULL") as base:
             base.execute("INSERT INTO documents VALUES (?, ?, ?, ?)", (key, kind, made, json.dumps(document)))

@@ -10,6 +10,7 @@ from __future__ import annotations
 import itertools
 import os
 import socket
+import threading
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
@@ -28,8 +29,11 @@ if TYPE_CHECKING:
 Find = Callable[[], "Campaign"]
 
 LEAST, MOST = 1 << 16, 1 << 22  # injections of a shard
-RATE = 10**12  # operations a second, pruned ones counted: what a second is reckoned with, the same on every machine
+RATE = 8 * 10**12  # operations a second, those that are pruned counted: what a second is reckoned with, everywhere
+PIECES = 32  # at least so many shards, as long as they are no smaller than the least: so that many can work
 POLL_S = 0.5
+FEW = 5  # gaps that are named
+_ONE_AT_A_TIME = threading.Lock()  # a campaign's engine has one set of lanes; a worker of Dask may have many threads
 
 
 @dataclass(frozen=True)
@@ -73,25 +77,27 @@ class Job:
     def __call__(self) -> Made:
         """Inject.  Raises `StoreError` when the campaign found here is not the one that was meant."""
         began = time.perf_counter()
-        campaign, worker = self.find(), f"{socket.gethostname()}:{os.getpid()}"
-        if campaign_key(campaign) != self.key:
-            raise StoreError(
-                f"{campaign.id} as worker {worker} finds it is not the driver's: give all machines the same files and "
-                "Python, and start the workers again"
-            )
-        judged = campaign.judged(self.lo, self.hi)
+        worker = f"{socket.gethostname()}:{os.getpid()}"
+        with _ONE_AT_A_TIME:
+            campaign = self.find()
+            if campaign_key(campaign) != self.key:
+                raise StoreError(
+                    f"{campaign.id} as worker {worker} finds it is not the driver's: give all machines the same files "
+                    "and Python, and start the workers again"
+                )
+            judged = campaign.judged(self.lo, self.hi)
         _, data = encode(campaign.id, self.key, self.lo, len(campaign.space), judged)
         return Made(data, time.perf_counter() - began, worker)
 
 
 def shard_size(campaign: Campaign) -> int:
-    """Injections of a shard, about a second of work: a power of 2 that follows from the model and the run alone."""
+    """Injections of a shard, about a second of work: a power of 2 that follows from the campaign alone."""
     from safety.terms.graph import postorder
 
     operations = len(list(postorder(campaign.system.roots())))
     steps = campaign.timing.frames * campaign.timing.steps
-    second = max(RATE // (operations * steps), 1)
-    return min(max(1 << second.bit_length() - 1, LEAST), MOST)
+    wanted = min(RATE // (operations * steps), len(campaign.space) // PIECES)
+    return min(max(1 << wanted.bit_length() >> 1, LEAST), MOST)
 
 
 def cuts(total: int, size: int) -> list[tuple[int, int]]:
@@ -176,8 +182,8 @@ def _count(pieces: Iterable[tuple[int, int]]) -> int:
 def merge(campaign: Campaign, folders: Sequence[Path], store: Store) -> Stored:
     """Take the shards of a campaign from other stores, or folders of shards, into a store.
 
-    What is missing then is said by `missing`.  Raises `StoreError` for a folder that does not exist or holds only
-    shards of the campaign as it was otherwise, and for ranges that overlap or disagree.
+    What is missing then is told, and said by `missing`.  Raises `StoreError` for a folder that does not exist or holds
+    shards of another campaign only, and for ranges that overlap or disagree.
     """
     stored = store.open(campaign, campaign_key(campaign))
     for folder in folders:
@@ -190,4 +196,7 @@ def merge(campaign: Campaign, folders: Sequence[Path], store: Store) -> Stored:
             store.note(f"{folder} holds no shard of {campaign.id} as it stands (key {stored.key[:12]})")
         for header in found.values():
             stored.add((place / header.name).read_bytes())
+    if gaps := stored.missing:
+        few = ", ".join(f"{gap.start} to {gap.stop - 1}" for gap in gaps[:FEW]) + (", ..." if len(gaps) > FEW else "")
+        store.note(f"{campaign.id}: {stored.total - stored.made} of {stored.total} injections are missing: {few}")
     return stored

@@ -206,6 +206,15 @@ class Stored:
         unlisted = (header for header in self.shards.values() if header.undetected > LISTED)
         return sorted(listed.union(*map(self._numbers, unlisted)))
 
+    def kept(self, kind: str) -> list[tuple[str, Any]]:
+        """What was concluded from the campaign, oldest first: when, and the document; see `keep`."""
+        return self.store.asked(lambda ledger: ledger.kept(self.key, kind))
+
+    def keep(self, kind: str, document: Any) -> None:
+        """Keep plain data in the ledger unless it is what was kept last; `kind`: a word such as "fmeda", "baseline"."""
+        if [told for _, told in self.kept(kind)][-1:] != [document]:
+            self.store.asked(lambda ledger: ledger.keep(self.key, kind, document))
+
     def _read(self, header: Header) -> Judged:
         path = self.folder / header.name
         try:
