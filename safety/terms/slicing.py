@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 
-from safety.terms.gates import Bits
 from safety.terms.column_bits import size_of
-from safety.terms.graph import BIT, Term, TermError, describe, node, postorder
+from safety.terms.column_native import width
+from safety.terms.gates import Bits
+from safety.terms.graph import BIT, Term, node, postorder
 from safety.terms.table import OPERATIONS
 
 
@@ -27,11 +28,10 @@ class Slices:
     def of(self, term: Term) -> Bits:
         """The bits of a term, the lowest first; an integer below zero as two's complement.
 
-        Raises `TermError` for a real.
+        Raises `TermError` for a real, and beyond 64 bits.
         """
         for t in postorder([term], self._found):
-            if t.sort.kind == "real":
-                raise TermError(f"{describe(t)} is a real: it has no bits; use lanes")
+            width(t)
             if t.op == "var" or (t.op == "point" and self._cut(t)):
                 self._found[t.uid] = leaves(t)
                 self.points |= {bit.uid: t for bit in self._found[t.uid] if t.op == "point"}

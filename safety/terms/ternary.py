@@ -45,9 +45,9 @@ GATES: dict[str, Callable[..., int]] = {
 }
 
 
-def cover(roots: Iterable[Term], leaf: Callable[[Term], bool]) -> dict[int, Function]:
+def cover(roots: Iterable[Term]) -> dict[int, Function]:
     """Functions for the gates that are worth one, by uid, the roots among them; the others are within these."""
-    roots = list(roots)
+    roots, leaf = list(roots), lambda t: not t.args
     order = postorder(roots)
     readers = Counter(a.uid for t in order if not leaf(t) for a in t.args)
     readers.update(r.uid for r in roots)

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, cast
 
 from safety.inject.engine import NEVER, NONE, Batch, Task
 from safety.inject.masks import Mask
-from safety.inject.native.program import Program
+from safety.inject.native.program import AUTO, Program
 from safety.inject.native.tapped import tapped
 from safety.system import State, System
 from safety.terms import UInt
@@ -48,6 +48,7 @@ class Excitation:
         first: int,
         stimulus: Callable[[], Mapping[str, Array]],
         target: Target,
+        form: str = AUTO,
     ) -> None:
         import numpy as np
 
@@ -55,7 +56,7 @@ class Excitation:
         self.points = tuple(dict.fromkeys(point for found in masks for point in found))
         names = [point + which for point in self.points for which in (ONES, ZEROS)]
         blind = replace(task, system=noting(task.system, self.points), count=(), watch=())
-        self.program = Program(blind, tapped(blind.system, self.points), masks, stimulus, target, recorded=names)
+        self.program = Program(blind, tapped(blind.system, self.points), masks, stimulus, target, names, form)
         none = len(masks)
         self._pair = np.full((none + 1, none + 1), -1)  # the row of a pair in the next; the last stands for unknown
         self._pairs_change = np.ones((1, none + 1), np.bool_)

@@ -19,6 +19,7 @@ from safety.terms.column_native import bit_type, lane_vector
 from safety.terms.graph import BIT, Term, variable, variables
 from safety.terms.llvm import Target
 from safety.terms.native import bytes_of
+from safety.terms.native_bits import slices_pay
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -68,6 +69,13 @@ class Kernel:
     def row(self) -> Row:
         """The fault-free run as this kernel reads it."""
         return Row([*(s.var for s in self.registers), *self.inputs.values()], self.watched, len(self.wires), self.recorded_words)
+
+    @property
+    def slices_pay(self) -> bool:
+        """Whether the gates of a step are cheaper for each lane than its instructions on words."""
+        following = [self.tapped.system.state[s.path].next for s in self.registers]
+        wires = [self.tapped.system.lookup(wire) for wire in self.wires]
+        return slices_pay([*following, *wires], [s.var for s in self.registers])
 
     @property
     def recorded_words(self) -> int:

@@ -16,10 +16,10 @@ from safety.inject.native.routine import Routine
 from safety.system import State, System
 from safety.terms.column_bits import size_of
 from safety.terms.column_native import bit_type, splat
-from safety.terms.graph import Term, postorder
+from safety.terms.graph import Term
 from safety.terms.native import bytes_of
+from safety.terms.native_bits import Gates
 from safety.terms.slicing import Slices, leaves
-from safety.terms.ternary import Function, cover
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -45,33 +45,51 @@ class Planes(Kernel):
             (bit,) = leaves(switch)
             k.bound[bit.uid] = partial(k.load_lanes, bit, "%taps", self.taps.offsets[switch.uid])
         slices = Slices(cut=lambda point: point.attr in self.tapped.masks)
-        return self._planes(k, self._passing, slices)
+        return self._planes(k, self.tapped.passing(), slices)
 
     def healthy(self) -> Routine:
         return self._planes(Routine(self.target, "healthy", STEP), self.tapped.without_faults(), Slices())
 
     def _planes(self, k: Routine, system: System, slices: Slices) -> Routine:
         follow = [(s, slices.of(system.state[s.path].next)) for s in self.registers]
-        seen = [slices.of(system.lookup(wire)) for wire in self.wires]
-        roots = [bit for _, bits in follow for bit in bits] + [bits[0] for bits in seen]
-        code = Gates(k, self, slices)
-        code.plan(roots)
-        k.attributes = ' "ready"'
+        seen = [slices.of(system.lookup(wire))[0] for wire in self.wires]
+        gates = Gates(k, slices, [*(bit for _, bits in follow for bit in bits), *seen], partial(self._masked, k))
         for s in self.registers:
             for i, bit in enumerate(leaves(s.var)):
-                place = self.state.offsets[s.var.uid] + i * self.plane
-                k.bound[bit.uid] = partial(k.load_lanes, bit, "%before", place)
+                k.bound[bit.uid] = partial(k.load_lanes, bit, "%before", self._place(s, i))
         for term in self.inputs.values():
             for i, bit in enumerate(leaves(term)):
-                k.bound[bit.uid] = partial(self.spread_bit, k, term, i)
+                k.bound[bit.uid] = partial(self._spread_bit, k, term, i)
         for s, bits in follow:
             for i, bit in enumerate(bits):
-                k.store_lanes(bit, code.of(bit), "%after", self.state.offsets[s.var.uid] + i * self.plane)
-        for i, bits in enumerate(seen):
-            k.store_lanes(bits[0], code.of(bits[0]), "%seen", i * self.plane)
+                k.store_lanes(bit, gates.of(bit), "%after", self._place(s, i))
+        for i, bit in enumerate(seen):
+            k.store_lanes(bit, gates.of(bit), "%seen", i * self.plane)
+        k.attributes = ' "ready"'
         return k
 
-    def spread_bit(self, k: Routine, term: Term, i: int) -> str:
+    def _place(self, s: State, i: int) -> int:
+        """The byte of a bit of a register."""
+        return self.state.offsets[s.var.uid] + i * self.plane
+
+    def _masked(self, k: Routine, point: Term, healthy: Sequence[str]) -> list[str]:
+        """The bits of a point, with its masks where the group has a fault there."""
+        kind = bit_type(k)
+        there = k.is_("ne", "i8", k.load("i8", "%taps", self.flags[point.attr]), 0)
+        before, then, end = k.fork(there)
+        seen = []
+        for i, x in enumerate(healthy):
+            keep, turn = (
+                k.load(kind, "%taps", self.taps.offsets[mask.uid] + i * self.plane, align=8)
+                for mask in self.tapped.masks[point.attr]
+            )
+            seen.append(k.op(f"xor {kind} {k.op(f'and {kind} {x}, {keep}')}, {turn}"))
+        k.join(end)
+        return [
+            k.op(f"phi {kind} [ {x}, %{before} ], [ {y}, %{then} ]") for x, y in zip(healthy, seen, strict=True)
+        ]
+
+    def _spread_bit(self, k: Routine, term: Term, i: int) -> str:
         """A bit of a number of the fault-free run, in every lane."""
         kind = f"i{8 * bytes_of(term)}"
         x = k.load(kind, "%row", self.row.places[term.uid])
@@ -208,81 +226,3 @@ class Planes(Kernel):
         with k.each(0, 64) as i:
             k.store("i64", k.load("i64", k.element(square, "i64", i)), k.at("%to", k.op(f"mul i64 {i}, %stride")))
         return [k]
-
-
-class Gates:
-    """Writes the bits of a step, each once."""
-
-    def __init__(self, k: Routine, kernel: Planes, slices: Slices) -> None:
-        self.k, self.kernel, self.slices = k, kernel, slices
-        self.functions: dict[int, Function] = {}
-
-    def plan(self, roots: Sequence[Term]) -> None:
-        """Say what is to be written."""
-        roots = list(roots)
-        done: set[int] = set()
-        while True:  # what comes before the points that stand for themselves
-            points = {self.slices.points[t.uid].uid: self.slices.points[t.uid]
-                      for t in postorder(roots) if t.uid in self.slices.points}
-            new = [p for uid, p in points.items() if uid not in done]
-            if not new:
-                break
-            for p in new:
-                done.add(p.uid)
-                roots += self.slices.of(p.args[0])
-        self.functions = cover(roots, lambda t: t.op in ("var", "const"))
-
-    def of(self, bit: Term) -> str:
-        k = self.k
-        names = k.names
-        stack = [bit]
-        while stack:
-            t = stack[-1]
-            if t.uid in names:
-                stack.pop()
-                continue
-            if t.uid in self.slices.points:
-                point = self.slices.points[t.uid]
-                healthy = self.slices.of(point.args[0])
-                missing = [x for x in healthy if x.uid not in names]
-                if missing:
-                    stack += missing[::-1]
-                else:
-                    self._point(point, [names[x.uid] for x in healthy])
-                    stack.pop()
-                continue
-            if t.uid not in self.functions:
-                k.write([t])
-                stack.pop()
-                continue
-            f = self.functions[t.uid]
-            missing = [x for x in f.inputs if x.uid not in names]
-            if missing:
-                stack += missing[::-1]
-                continue
-            stack.pop()
-            if k.ternary and len(f.inputs) == 3:
-                kind = bit_type(k)
-                k.intrinsics.add(f"declare {kind} @llvm.x86.avx512.pternlog.q.512({kind}, {kind}, {kind}, i32)")
-                a = ", ".join(f"{kind} {names[x.uid]}" for x in f.inputs)
-                names[t.uid] = k.op(f"call {kind} @llvm.x86.avx512.pternlog.q.512({a}, i32 {f.table})")
-            else:
-                k.write([t])
-        return names[bit.uid]
-
-    def _point(self, point: Term, healthy: list[str]) -> None:
-        k = self.k
-        keep, turn = self.kernel.tapped.masks[point.attr]
-        offsets, plane, kind = self.kernel.taps.offsets, self.kernel.plane, bit_type(k)
-        flag = k.load("i8", "%taps", self.kernel.flags[point.attr])
-        there = k.op(f"icmp ne i8 {flag}, 0")
-        before, then, end = k._labels("from", "then", "end")
-        k.lines += [f"br label %{before}", f"{before}:",
-                    f"br i1 {there}, label %{then}, label %{end}, !prof !0", f"{then}:"]
-        masked = []
-        for i, x in enumerate(healthy):
-            a, b = (k.load(kind, "%taps", offsets[m.uid] + i * plane, align=8) for m in (keep, turn))
-            masked.append(k.op(f"xor {kind} {k.op(f'and {kind} {x}, {a}')}, {b}"))
-        k.lines += [f"br label %{end}", f"{end}:"]
-        for bit, x, y in zip(leaves(point), healthy, masked, strict=True):
-            k.names[bit.uid] = k.op(f"phi {kind} [ {x}, %{before} ], [ {y}, %{then} ]")

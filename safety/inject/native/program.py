@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 
     Array = npt.NDArray[Any]
 
+AUTO, WORDS, SLICED = FORMS = ("auto", "words", "sliced")  # how lanes are kept: words, bits, or what is cheaper
 SELDOM = "!0 = !{!\"branch_weights\", i32 1, i32 2000}"  # what a branch that is seldom taken refers to
 POINTER, NUMBER = ctypes.c_void_p, ctypes.c_int64
 
@@ -59,11 +60,15 @@ class Program:
         stimulus: Callable[[], Mapping[str, Array]],
         target: Target,
         recorded: Sequence[str] = (),
+        form: str = AUTO,
     ) -> None:
         wires = tuple(dict.fromkeys((*task.watch, *task.count)))
         counted = [wires.index(name) for name in task.count]
         self.task, self.acts, self._stimulus = task, acts, stimulus
-        self.kernel = (Planes if target.sliced else Kernel)(system, wires, len(task.watch), counted, target, recorded)
+        self.kernel = Kernel(system, wires, len(task.watch), counted, target, recorded)
+        if form == SLICED or (form == AUTO and self.kernel.slices_pay):
+            target = target.in_slices()
+            self.kernel = Planes(system, wires, len(task.watch), counted, target, recorded)
         self._library = Library(source(self.kernel), target, keep=True)
         self._run = self._library.function("run", POINTER)
 

@@ -190,6 +190,17 @@ class Routine(Writer):
         yield
         self._begin(end)
 
+    def fork(self, condition: str) -> tuple[str, str, str]:
+        """Go on with what is seldom done: the labels of before, of here and of where both ways are to `join`."""
+        before, then, end = self._labels("before", "then", "end")
+        self._begin(before)
+        self.lines += [f"br i1 {condition}, label %{then}, label %{end}, !prof !0", f"{then}:"]
+        return before, then, end
+
+    def join(self, end: str) -> None:
+        """Where both ways meet."""
+        self._begin(end)
+
     @contextmanager
     def while_(self, condition: Callable[[], str]) -> Iterator[None]:
         """What is done as long as a condition holds."""
