@@ -125,10 +125,10 @@ def compile_sliced(inputs: Sequence[Term], outputs: Sequence[Term], target: Targ
             whole = np.asarray(values).astype(object)
             for i in range(size_of(term.sort)):
                 next(rows)[:lanes] = whole >> i & 1
-        planes = np.packbits(bits.reshape(len(bits), vectors, -1).swapaxes(0, 1), axis=2, bitorder="little")
+        planes = np.packbits(bits.reshape(len(bits), vectors, target.lanes).swapaxes(0, 1), axis=2, bitorder="little")
         found = np.zeros((vectors, sum(sizes), target.lanes // 8), np.uint8)
         run(np.ascontiguousarray(planes).ctypes.data, found.ctypes.data, vectors)
-        unpacked = np.unpackbits(found, axis=2, bitorder="little").swapaxes(0, 1).reshape(sum(sizes), -1)[:, :lanes]
+        unpacked = np.unpackbits(found, axis=2, bitorder="little").swapaxes(0, 1).reshape(sum(sizes), vectors * target.lanes)[:, :lanes]
         results, place = [], 0
         for term, size in zip(outputs, sizes, strict=True):
             number = sum(unpacked[place + i].astype(object) << i for i in range(size))
