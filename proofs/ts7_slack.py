@@ -142,7 +142,12 @@ def chr_needs_no_supply(s: Seen) -> Bit:
 SUPPLY_LOST = [Fault(stuck(0), [f"{n}.supply"], ANY_TIME, name=f"supply of {n} lost") for n in CHANNELS]
 
 
-@claim(CommonPart, faults=at_most(2, SUPPLY_LOST), expect=PROVED, requirement="TS7-8",
+B_UNSUPPLIED = Scenario(
+    1200, {"supply": True, **{f"{n}.drive": True for n in CHANNELS}}, present=["supply of b lost"], at=800
+)
+
+
+@claim(CommonPart, faults=at_most(2, SUPPLY_LOST), expect=PROVED, requirement="TS7-8", witness=B_UNSUPPLIED,
        source="no synchronisation after an isolation [P]")  # fmt: skip
 def no_window_while_a_channel_is_out_of_service(s: Seen) -> Bit:
     """A frame after one or two CHR are down, be it for want of their own supply, there is no window."""

@@ -16,9 +16,7 @@ _HOME = {
     "safety.model": ("Model assume parameter point power_up"),
     "safety.system": ("ANY ModelError"),
     "safety.trace": ("run"),
-    "safety.faults": (
-        "ANY_TIME FROM_START INTERMITTENT TRANSIENT Fault any_of_faults at_most common_cause every"
-    ),
+    "safety.faults": ("ANY_TIME FROM_START INTERMITTENT TRANSIENT Fault any_of_faults at_most common_cause every"),
     "safety.kinds": (
         "bridge byzantine clock_fast clock_glitch clock_slow clock_stop dead delayed drift extra flip frozen "
         "intermittent memory_flip missing noise offset open_circuit oscillating power_dip reads slow_to_operate "

@@ -16,13 +16,14 @@ from collections.abc import Callable, Iterable, Sequence
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any, cast
 
-from safety.faults import ANY_TIME, FROM_START, Fault, expand, matching
+from safety.faults import ANY_TIME, FROM_START, TRANSIENT, Fault, expand, matching
 from safety.inject.space import CampaignError, Space, scheduled
 from safety.kinds.kind import POINT, POINTS, Kind, Seat
 from safety.prove.claims import Claim, claim_id
 from safety.system import System, nearest
 from safety.terms import Bit
 from safety.terms.graph import BIT, Sort, Term, variable
+from safety.tracing import trace
 
 if TYPE_CHECKING:
     from safety.inject import Campaign, Result
@@ -39,7 +40,7 @@ def covers(wide: Fault, narrow: Fault, system: System) -> bool:
     sorts = [system.points[point].sort for point in where]
     if not inside <= where or any(sort.kind not in wide.kind.sorts for sort in sorts):
         return False
-    if all(_is_free(wide.kind, sort) for sort in sorts):
+    if wide.onset != TRANSIENT and all(_is_free(wide.kind, sort) for sort in sorts):
         return True
     if narrow.kind.place != POINT or inside != where or not all(_alike(wide.kind, narrow.kind, s) for s in sorts):
         return False
@@ -49,7 +50,7 @@ def covers(wide: Fault, narrow: Fault, system: System) -> bool:
 
 
 def _is_free(kind: Kind, sort: Sort) -> bool:
-    """Whether a kind shows any value at every step: then it shows the healthy one too, so its onset does not matter."""
+    """Whether a kind shows any value at every step, the healthy one too: it need not say when it begins or ends."""
     seat, seen = _probe(kind, sort)
     return not seat.states and [term.uid for term in seat.inputs.values()] == [seen.uid]
 
@@ -84,11 +85,11 @@ def covering(claim: Claim, campaign: Campaign) -> dict[int, str]:
         raise _useless(campaign, claim, "it holds under assumptions, or in other steps")
     if claim.faults is None or claim.faults.most == 0:
         raise _useless(campaign, claim, "it allows no fault")
-    asked = {name: value for name, value in campaign.settings.items() if name not in claim.symbolic}
-    if any(claim.settings.get(name, value) != value for name, value in asked.items()) or any(
-        name not in asked for name in claim.settings if name not in claim.symbolic
-    ):
-        raise _useless(campaign, claim, "its settings differ from those of the campaign")
+    proved = trace(claim.model, claim.settings, claim.symbolic).settings
+    for path, used in system.settings.items():
+        if proved[path].value is not None and proved[path].value != used.value:  # None: left open in its range
+            why = f"{path} is {used.value} here and {proved[path].value} in the claim"
+            raise _useless(campaign, claim, why)
     allowed = expand(system, claim.faults.faults)
     found: dict[int, str] = {}
     for place, fault in enumerate(space.singles):

@@ -11,6 +11,7 @@ from safety.closure import compared, covers
 from safety.faults import (
     ANY_TIME,
     FROM_START,
+    INTERMITTENT,
     TRANSIENT,
     Fault,
     any_of_faults,
@@ -21,7 +22,7 @@ from safety.faults import (
     stuck,
 )
 from safety.inject import Campaign, CampaignError, Group
-from safety.model import Model, point, power_up
+from safety.model import Model, parameter, point, power_up
 from safety.prove.claims import PROVED, Claim, Seen, claim, registered
 from safety.prove.hazards import Hazard
 from safety.report.closing import settled
@@ -38,10 +39,11 @@ class Lane(Model, event="tick"):
     """Counts while `go`; asks for a stop from 8 on."""
 
     count: U4 = power_up(0)
+    limit: U4 = parameter(8, unit="step", within=(6, 12), source="[A]")
 
     def step(self, go: Bit) -> tuple[Lane, Vote]:
         count = select(go, (self.count + 1).sat(4), self.count)
-        return Lane(count=point("next", count)), Vote(stop=point("asks", self.count >= 8))
+        return Lane(count=point("next", count)), Vote(stop=point("asks", self.count >= self.limit))
 
 
 class Voter(Model, event="tick"):
@@ -111,6 +113,9 @@ def results(id_: str, verdict: str) -> dict[str, Any]:
         (Fault(stuck(0), ["a.asks", "b.asks"], ANY_TIME), Fault(stuck(0), ["a.asks"], ANY_TIME), False),
         (Fault(flip(), ["a.asks"], TRANSIENT, ticks=2), Fault(flip(), ["a.asks"], TRANSIENT, at=4, ticks=2), True),
         (Fault(flip(), ["a.asks"], TRANSIENT, ticks=2), Fault(flip(), ["a.asks"], TRANSIENT, at=4, ticks=3), False),
+        (Fault(byzantine(), ["a.*"], INTERMITTENT), Fault(stuck(0), ["a.asks"], ANY_TIME, at=3), True),
+        (Fault(byzantine(), ["a.*"], TRANSIENT, ticks=1), Fault(stuck(0), ["a.asks"], ANY_TIME, at=3), False),
+        (Fault(byzantine(), ["a.*"], TRANSIENT, ticks=1), Fault(flip(), ["a.asks"], TRANSIENT, ticks=1), False),
         (Fault(frozen(), ["a.next"], ANY_TIME), Fault(frozen(), ["a.next"], ANY_TIME, at=3), True),
         (Fault(frozen(), ["a.next"], FROM_START), Fault(frozen(), ["b.next"]), False),
     ],
@@ -165,6 +170,23 @@ def test_a_cut_set_of_one_fault_is_not_closed_as_harmless(stops: Any) -> None:
     assert told["parts"]["proved"]["faults"] == 3 and told["contradictions"] == []
     for short in ({"complete_to_order": 0}, {"minimal_cut_sets": {"count": 3}}):
         assert settled(entry, {"trees": [tree | short]})["closure"]["open"] == [id_]
+
+
+def test_a_claim_covers_the_settings_that_it_is_proved_for_or_leaves_open(stops: Any) -> None:
+    for claimed, open_, injected, agree in (
+        ({}, (), {"a.limit": 9}, False),
+        ({}, (), {"a.limit": 8}, True),
+        ({"a.limit": 9}, (), {"a.limit": 9}, True),
+        ({"a.limit": 9}, (), {}, False),
+        ({}, ("a.limit",), {"a.limit": 9}, True),
+        ({"b.limit": 7}, ("a.limit",), {"a.limit": 9}, False),
+    ):
+        one = campaign(stops(at_most(1, "lane"), settings=claimed, symbolic=open_), settings=injected)
+        if agree:
+            assert len([row for row in rows(one) if row["by"]]) == 3
+        else:
+            with pytest.raises(CampaignError, match="in the claim"):
+                rows(one)
 
 
 def test_claims_that_say_nothing_about_the_campaign_are_refused(stops: Any) -> None:

@@ -185,6 +185,7 @@ class LaneEngine:
             state = list(kernel.step(*state, *inputs, *fixed))
             for position in kernel.constant:
                 state[position] = np.asarray(state[position])
+            state[:1] = [np.broadcast_to(first, (lanes,)) for first in state[:1]]  # its length is that of all
             done = frame + 1 - timing.run_in
             if done >= 0 and done % timing.block == 0:
                 for name, array in counts.items():

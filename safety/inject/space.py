@@ -172,7 +172,8 @@ class Space:
             return first[members], end[members]
         steps = np.asarray(self.onsets, dtype=np.int64)[positions % self.times]
         first = np.broadcast_to(steps, members.shape)
-        return first, np.full_like(members, NEVER) if self.length is None else first + self.length
+        length = NEVER if self.length is None else min(self.length, NEVER)
+        return first, np.minimum(first + length, NEVER)
 
     def batch(self, low: int, high: int) -> Batch:
         """The injections numbered `low` to `high` (not included) as columns; atoms are the single faults."""
@@ -304,7 +305,7 @@ def scheduled(fault: Fault, step: int, length: int | None) -> Fault:
 def window(fault: Fault) -> tuple[int, int]:
     """Steps at which a fault acts in a run, from the first to before the second (`NEVER`: to the end)."""
     first, end = fault.window()
-    return first, NEVER if end is None else end
+    return first, NEVER if end is None else min(end, NEVER)
 
 
 def identify(fault: Fault) -> str:

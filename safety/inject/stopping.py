@@ -74,6 +74,11 @@ def until_sure(
         given = "vary" if campaign.vary else "sample"
         raise CampaignError(f"{campaign.id}: {given} draws already; leave it out where injections are drawn until sure")
     space = campaign.space
+    if space.drawn:
+        raise CampaignError(
+            f"{campaign.id}: drawn= takes a few faults out of endlessly many, and to draw from these few again says "
+            "nothing about the rest; draw more of them instead"
+        )
     weights = _weights(campaign) if by_rate else None
     rng, watch, size = np.random.default_rng(seed), StopWhenSure(Fraction(target), campaign.confidence), FIRST
     cells, drawn = np.zeros(len(CELLS), dtype=np.int64), 0

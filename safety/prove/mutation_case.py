@@ -111,7 +111,7 @@ class Subject:
         cases = [Case(c, self.mutants, timeout) for c in self.claims]
         self.proved = [case for case in cases if case.claim.expect == PROVED]
         self.refuted = [case for case in cases if case.claim.expect == REFUTED]
-        self.panels = panels(self.proved)
+        self.panels = panels(self.proved, [case for case in self.refuted if case.claim.scenario is not None])
 
     def healthy(self, numbers: Collection[int]) -> Problem:
         """These mutants of the healthy model, in all its runs: a problem that claims nothing."""
@@ -129,6 +129,7 @@ class Panel:
     """Claims that assume the same, as one problem that holds where all of them do: one run tells of all at once."""
 
     cases: list[Case]
+    scripted: Sequence[Case]  # other claims on the model that are known by a scenario
 
     @cached_property
     def problem(self) -> Problem:
@@ -154,8 +155,9 @@ class Panel:
 
     @cached_property
     def drive(self) -> Drive:
-        """Runs for it, beginning with those that its claims are known by."""
-        return Drive(self.problem, [(list(c.as_written.system.inputs), k) for c in self.cases for k in c.courses])
+        """Runs for it, beginning with those that its claims are known by, and the scripted ones of the model."""
+        known = [(list(c.as_written.system.inputs), k) for c in (*self.cases, *self.scripted) for k in c.courses]
+        return Drive(self.problem, known)
 
     @cached_property
     def replay(self) -> Replay:
@@ -174,7 +176,7 @@ class Panel:
         return self.cases[self.names.index(found[0])]
 
 
-def panels(cases: Sequence[Case]) -> list[Panel]:
+def panels(cases: Sequence[Case], scripted: Sequence[Case]) -> list[Panel]:
     """The claims in groups, by what they assume."""
     found: list[tuple[tuple[object, ...], list[Case]]] = []
     for case in cases:
@@ -185,4 +187,4 @@ def panels(cases: Sequence[Case]) -> list[Panel]:
             found.append((key, [case]))
         else:
             alike.append(case)
-    return [Panel(some) for _, some in found]
+    return [Panel(some, scripted) for _, some in found]

@@ -80,9 +80,14 @@ class Drive:
             return
         until, left, fruitless = time.process_time() + seconds, list(mutants), 0
         horizons = [*SHORT, *SHORT]
+        as_known = patience > 0
         while left and (horizons or fruitless < patience) and time.process_time() < until:
-            steps = horizons.pop() if horizons else self.depth
-            found = self._round(left, min(steps, self.depth), until)
+            if as_known:
+                courses, as_known = self._known(), False
+            else:
+                steps = min(horizons.pop() if horizons else self.depth, self.depth)
+                courses = [self.course(steps) for _ in range(max(COURSES[0], min(COURSES[1], LANES // len(left))))]
+            found = self._round(left, courses, until)
             fruitless = 0 if found else fruitless + (not horizons)
             left = [m for m in left if m.number not in found]
             for number, (course, step) in found.items():
@@ -209,11 +214,19 @@ class Drive:
 
     # --- lanes -------------------------------------------------------------------------------------------------------
 
-    def _round(self, mutants: Sequence[Mutant], steps: int, until: float) -> dict[int, tuple[Course, int]]:
-        """The mutants that break the claim on one of some new courses, and where."""
-        least, most = COURSES
-        count = max(least, min(most, LANES // len(mutants)))
-        courses = [self.course(steps) for _ in range(count)]
+    def _known(self) -> list[tuple[Row, list[Array]]]:
+        """The known runs as they are, all as long as the longest."""
+        some = self.pool[: len(self.known)]
+        steps = min(DEEPEST, max((len(c) for _, columns, _ in some for c in columns), default=1))
+        return [(start, [_filled(c, steps) for c in columns]) for start, columns, _ in some]
+
+    def _round(
+        self, mutants: Sequence[Mutant], courses: Sequence[tuple[Row, list[Array]]], until: float
+    ) -> dict[int, tuple[Course, int]]:
+        """The mutants that break the claim on one of some courses, and where."""
+        if not courses:
+            return {}
+        count, steps = len(courses), max((len(c) for _, columns in courses for c in columns), default=self.depth)
         table = [np.stack([columns[i] for _, columns in courses], axis=1) for i in range(len(self.inputs))]
         lanes, numbers = Lanes(self.problem, mutants), np.array([m.number for m in mutants])
         of_mutant, of_course = np.repeat(np.arange(len(mutants)), count), np.tile(np.arange(count), len(mutants))

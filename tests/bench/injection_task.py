@@ -25,13 +25,13 @@ from safety.trace import initial_state
 
 FRAMES = 8000
 HAZARD = FRAMES - TOO_FAST.allowed
+SLOW, WITHIN, FAST = at_most_kmh(15), at_most_kmh(63), TOO_FAST.speed
 WIRES = tuple(name for name in overspeed.system.signals if name.startswith("observed "))
 
 
 def ride(frame: int) -> Mapping[str, Any]:
     """Stimulus of a frame."""
-    speed = at_most_kmh(15) if frame < STRIKE else at_most_kmh(63) if frame < HAZARD else TOO_FAST.speed
-    return {"speed": speed, "backward": False}
+    return {"speed": SLOW if frame < STRIKE else WITHIN if frame < HAZARD else FAST, "backward": False}
 
 
 def rolling(frame: int) -> Mapping[str, Any]:

@@ -13,7 +13,7 @@ from typing import Any
 import msgspec
 import pytest
 
-from safety.faults import Fault, flip
+from safety.faults import ANY_TIME, TRANSIENT, Fault, flip
 from safety.inject import Campaign, CampaignError, Counts, Group, Judged, campaigns, running, stuck_bits, write_csv
 from safety.inject import classes as classes_module
 from safety.report.schema import Campaign as Entry
@@ -247,3 +247,15 @@ def test_declaring_a_campaign_loads_neither_numpy_nor_a_solver() -> None:
     code = "import sys, proofs.ts7_campaign; print(sorted({'numpy', 'z3', 'cvc5'} & set(sys.modules)))"
     done = subprocess.run([sys.executable, "-c", code], cwd=Path(__file__).parents[2], capture_output=True, text=True)
     assert (done.stdout.strip(), done.stderr) == ("[]", "")
+
+
+@pytest.mark.parametrize("engine", ["lanes", "native"])
+@pytest.mark.parametrize("ticks", [2**31 - 5, 2**31, 2**32 + 1, 10**20])
+def test_a_transient_that_outlasts_every_number_stays(
+    campaign: Callable[..., Campaign], engine: str, ticks: int
+) -> None:
+    forever = campaign(faults=stuck_bits("*", onset=ANY_TIME, at=3), engine=engine)
+    long = campaign(faults=stuck_bits("*", onset=TRANSIENT, at=3, ticks=ticks), engine=engine)
+    at_onsets = campaign(faults=stuck_bits("*"), onsets=range(3, 4), length=ticks, engine=engine)
+    expected = forever.inject().tally
+    assert expected.dangerous_undetected and long.inject().tally == at_onsets.inject().tally == expected

@@ -112,6 +112,18 @@ def test_more_faults_than_are_built_in_at_once(monkeypatch: pytest.MonkeyPatch) 
     assert apart_from_python(task, batch, NativeEngine(task).run(batch), range(24)) == []
 
 
+def test_inputs_of_64_bits_are_exact() -> None:
+    task = random_task(5, masks_only=True)
+    wide: Any = variable("wide", uint(64))
+    wires = {"w0": wide == 2**63 + 1, "w1": wide < 2**53 + 1, "w2": bit(False)}
+    system = replace(task.system, inputs={**task.system.inputs, "wide": wide}, signals=wires)
+    rows = [{**task.inputs(frame), "wide": (2**63 + 1, 2**53, 2**64 - 1)[frame % 3]} for frame in range(27)]
+    task = replace(task, system=system, atoms=(), inputs=rows.__getitem__)
+    nothing = np.full((1, 1), NONE, np.int32)
+    batch = Batch(nothing, nothing, nothing)
+    assert apart_from_python(task, batch, NativeEngine(task).run(batch), [0]) == []
+
+
 # --- what does not fit -----------------------------------------------------------------------------------------------
 
 

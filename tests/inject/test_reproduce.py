@@ -91,7 +91,7 @@ def test_an_engine_that_disagrees_with_the_python_reading_is_found_out(
 ) -> None:
     declared = campaign()
     monkeypatch.setattr(declared, "replay", lambda injection: SimpleNamespace(cell="safe/no"))
-    with pytest.raises(Unconfirmed, match="is wrong/no on the .* engine, safe/no on the Python reading"):
+    with pytest.raises(Unconfirmed, match=r"is wrong/no on the .* engine, safe/no on the Python reading"):
         reproducer(declared, read(declared, "lit stuck-at-1"))
 
 
@@ -123,5 +123,5 @@ def test_an_id_that_means_nothing_is_refused(campaign: Make, key: str | int) -> 
 
 @pytest.mark.parametrize("key", ["lit stuck-at-1 from step 96", "lit stuck-at-1, transient at 3 for 0"])
 def test_a_schedule_that_cannot_be_is_refused(campaign: Make, key: str) -> None:
-    with pytest.raises(CampaignError, match="begins at step 96, outside the run|a transient"):
+    with pytest.raises(CampaignError, match=r"begins at step 96, outside the run|a transient"):
         read(campaign(), key)

@@ -8,6 +8,7 @@ from typing import Any
 
 import pytest
 
+from safety.faults import Fault, stuck
 from safety.inject import CampaignError, Group, stuck_bits
 from safety.inject.stopping import until_sure
 
@@ -84,6 +85,11 @@ def test_the_campaign_itself_stays_as_it_is(campaign: Make) -> None:
         ({}, {"target": 0.99}, r"target 0\.99; give a number between 0 and 1 in quotes"),
         ({}, {"target": "1"}, "target '1'"),
         ({"sample": 3}, {}, "sample draws already; leave it out"),
+        (
+            {"faults": [Group("any", lambda pick: Fault(stuck(pick.randrange(2)), ["lit"]), drawn=3)]},
+            {},
+            "out of endlessly",
+        ),
         ({"order": 2}, {"by_rate": True}, "by_rate is for single faults"),
         ({"faults": [Group("lamp", stuck_bits("lit"))]}, {"by_rate": True}, "no group has a failure rate"),
     ],

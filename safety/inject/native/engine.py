@@ -59,11 +59,11 @@ class NativeEngine:
 
     @cached_property
     def _stimulus(self) -> Mapping[str, Array]:
-        """Each input of the model, a value a frame."""
+        """Each input of the model, a value a frame: Python's numbers, for NumPy takes wide ones for floats."""
         import numpy as np
 
         rows = [self.task.inputs(frame) for frame in range(self.task.timing.frames)]
-        return {name: np.array([row[name] for row in rows]) for name in self.task.system.inputs}
+        return {name: np.array([row[name] for row in rows], object) for name in self.task.system.inputs}
 
     @cached_property
     def golden(self) -> Outcome:

@@ -109,7 +109,8 @@ class Program:
         several = total if tapped.changes is None else min(tapped.changes, total)
         said = [tapped.choices(step) for step in range(several)]
         return {
-            name: np.pad(np.array([row[name] for row in said]), (0, total - several), mode="edge") for name in said[0]
+            name: np.pad(np.array([row[name] for row in said], object), (0, total - several), mode="edge")
+            for name in said[0]
         }
 
     def _time(self, rows: Array) -> None:
