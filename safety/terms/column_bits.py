@@ -69,7 +69,8 @@ def bits_implies(t: Any, x: Bits, y: Bits) -> Bits:
 
 def bits_add(t: Any, x: Bits, y: Bits) -> Bits:
     """Exact, since the result's bits hold it."""
-    return total(*_sized(t, (x, y)), known(False))
+    x, y = _sized(t, (x, y))
+    return total(x, y, known(False))
 
 
 def bits_sub(t: Any, x: Bits, y: Bits) -> Bits:
@@ -167,4 +168,3 @@ def bits_div(t: Any, x: Bits) -> Bits:
 def bits_mod(t: Any, x: Bits) -> Bits:
     """Remainder of a word by a constant."""
     return extended(_divided(t, x)[1], t.args[0].sort, size_of(t.sort))
-

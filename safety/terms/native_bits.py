@@ -10,7 +10,7 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from safety.terms.column_bits import size_of
-from safety.terms.column_native import WIDTHS, bit_type, width
+from safety.terms.column_native import bit_type, width
 from safety.terms.graph import BIT, Term, postorder
 from safety.terms.llvm import Library, Target
 from safety.terms.native import ATTRIBUTES, Writer, bytes_of
@@ -128,13 +128,15 @@ def compile_sliced(inputs: Sequence[Term], outputs: Sequence[Term], target: Targ
         planes = np.packbits(bits.reshape(len(bits), vectors, target.lanes).swapaxes(0, 1), axis=2, bitorder="little")
         found = np.zeros((vectors, sum(sizes), target.lanes // 8), np.uint8)
         run(np.ascontiguousarray(planes).ctypes.data, found.ctypes.data, vectors)
-        unpacked = np.unpackbits(found, axis=2, bitorder="little").swapaxes(0, 1).reshape(sum(sizes), vectors * target.lanes)[:, :lanes]
+        unpacked = np.unpackbits(found, axis=2, bitorder="little").swapaxes(0, 1)
+        lines = unpacked.reshape(sum(sizes), vectors * target.lanes)[:, :lanes].astype(object)
         results, place = [], 0
         for term, size in zip(outputs, sizes, strict=True):
-            number = sum(unpacked[place + i].astype(object) << i for i in range(size))
+            number = sum(lines[place + i] << i for i in range(size))
             if term.sort.bounds[0] < 0:
                 number = number - (number >> size - 1 << size)
-            results.append(number.astype(np.bool_ if term.sort == BIT else object if is_object(term.sort) else np.int64))
+            wide = np.bool_ if term.sort == BIT else object if is_object(term.sort) else np.int64
+            results.append(number.astype(wide))
             place += size
         return tuple(results)
 
@@ -144,30 +146,30 @@ def compile_sliced(inputs: Sequence[Term], outputs: Sequence[Term], target: Targ
 
 # --- which form is cheaper -------------------------------------------------------------------------------------------
 
-NO_GATES = {"const", "var", "point", "cast", "slice", "bit", "concat"}
-WORDS_ONLY = {"mul": 3, "div": 20, "mod": 20}  # instructions of a vector of words, for those that are not one
+FREE = {"const", "var", "point", "cast"}  # in both forms
+WIRING = {"slice", "bit", "concat"}  # free in slices
+GATES_A_BIT = {"add": 2, "sub": 2, "clip": 2}  # where it is not one
+ON_WORDS = {"mul": 3, "div": 20, "mod": 20}  # vector instructions, where it is not one
 
 
 def slices_pay(terms: Sequence[Term], held: Sequence[Term]) -> bool:
     """Whether the gates of terms, and of registers held, are fewer for each lane than instructions on words.
 
-    Counted are about two gates a bit of what is added, compared or clamped, one of what is chosen, and as many as a
-    product or a division has partial sums; against them a vector instruction of words with an eighth of the lanes.
+    A vector of words has an eighth of the lanes; a product or a division has a gate or more for each pair of bits.
     Raises `TermError` for a real, and beyond 64 bits.
     """
     gates = sum(size_of(t.sort) for t in held)
     words = sum(bytes_of(t) for t in held)
     for t in postorder(terms):
         width(t)
-        if t.op in NO_GATES:
-            words += t.op not in ("const", "var", "point") and t.op != "cast"
+        if t.op in FREE:
             continue
         sizes = [size_of(a.sort) for a in t.args]
-        words += max(map(bytes_of, (t, *t.args))) * WORDS_ONLY.get(t.op, 1)
+        words += max(map(bytes_of, (t, *t.args))) * ON_WORDS.get(t.op, 1)
         if t.op == "mul":
             gates += 2 * sizes[0] * sizes[1]
         elif t.op in ("div", "mod"):
-            gates += 3 * sizes[0] * t.attr.bit_length()
-        else:
-            gates += max(sizes) * (1 if t.op in ("select", "band", "bor", "bxor") else 2 if t.args[0].sort != BIT else 1)
-    return gates <= WIDTHS[0] * words
+            gates += 3 * sizes[0] * int(t.attr).bit_length()
+        elif t.op not in WIRING:
+            gates += max(sizes) * GATES_A_BIT.get(t.op, 1)
+    return gates <= 8 * words

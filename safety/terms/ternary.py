@@ -7,7 +7,7 @@ what it reads cost, shared by all that read it (area flow, as in the mapping of 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -47,34 +47,38 @@ GATES: dict[str, Callable[..., int]] = {
 
 def cover(roots: Iterable[Term]) -> dict[int, Function]:
     """Functions for the gates that are worth one, by uid, the roots among them; the others are within these."""
-    roots, leaf = list(roots), lambda t: not t.args
+    roots = list(roots)
     order = postorder(roots)
-    readers = Counter(a.uid for t in order if not leaf(t) for a in t.args)
+    readers = Counter(a.uid for t in order for a in t.args)
     readers.update(r.uid for r in roots)
     cuts: dict[int, list[Cut]] = {}
     flow: dict[int, float] = {}
     for t in order:
-        if leaf(t):
-            cuts[t.uid], flow[t.uid] = [], 0.0
-            continue
-        found: dict[frozenset[int], Cut] = {}
-        sets: list[Cut] = [()]
-        for a in t.args:
-            sets = list({
-                key: merged
-                for x in sets
-                for y in ((a,), *cuts[a.uid])
-                for merged in [tuple({v.uid: v for v in (*x, *y)}.values())]
-                if len(key := frozenset(v.uid for v in merged)) <= 3
-            }.values())  # fmt: skip
-        ranked = sorted(sets, key=lambda cut: sum(flow[v.uid] for v in cut))[:MOST_CUTS]
-        cuts[t.uid] = ranked
-        flow[t.uid] = (1 + sum(flow[v.uid] for v in ranked[0])) / max(readers[t.uid], 1)
+        cuts[t.uid] = _cuts(t, cuts, flow)
+        flow[t.uid] = (1 + _cost(cuts[t.uid][0], flow)) / readers[t.uid] if t.args else 0.0
     chosen: dict[int, Function] = {}
-    wanted = [r for r in roots if not leaf(r)]
+    wanted = list(roots)
     while wanted:
         t = wanted.pop()
-        if t.uid not in chosen:
+        if t.args and t.uid not in chosen:
             chosen[t.uid] = Function(t, cuts[t.uid][0])
-            wanted += [v for v in chosen[t.uid].inputs if not leaf(v)]
+            wanted += chosen[t.uid].inputs
     return chosen
+
+
+def _cost(cut: Cut, flow: Mapping[int, float]) -> float:
+    return sum(flow[v.uid] for v in cut)
+
+
+def _cuts(t: Term, cuts: Mapping[int, list[Cut]], flow: Mapping[int, float]) -> list[Cut]:
+    """The cheapest cuts of a term, the best first; it has one of each of its arguments, or that itself, in each."""
+    found: list[Cut] = [()]
+    for a in t.args:
+        wider: dict[frozenset[int], Cut] = {}
+        for x in found:
+            for y in ((a,), *cuts[a.uid]):
+                both = {v.uid: v for v in (*x, *y)}
+                if len(both) <= len(COLUMNS):
+                    wider[frozenset(both)] = tuple(both.values())
+        found = list(wider.values())
+    return sorted(found, key=lambda cut: _cost(cut, flow))[:MOST_CUTS] if t.args else []

@@ -16,13 +16,17 @@ import pytest
 from safety.faults import Fault, byzantine
 from safety.inject.engine import NEVER, Batch, Outcome, Task, Timing
 from safety.inject.masks import Mask
-from safety.inject.native import NativeEngine, driver, program, sweep
+from safety.inject.native import NativeEngine, masking, program, sweep
 from safety.inject.native.driver import Driver
 from safety.inject.native.kernel import UNUSED, Kernel
+from safety.inject.native.planes import Planes
 from safety.inject.native.program import Program
 from safety.inject.native.routine import Routine
 from safety.system import System
+from safety.terms import ternary
+from safety.terms.column_bits import size_of
 from safety.terms.graph import BIT
+from safety.terms.llvm import host
 from tests.inject.native_systems import differences, random_batch, random_task
 
 
@@ -33,6 +37,7 @@ def short_stretches(monkeypatch: pytest.MonkeyPatch, tmp_path: Any) -> None:
         monkeypatch.setattr(sweep, name, number)
 
 
+FORMS = ("words", "sliced")
 SAMPLES = range(12)
 BUILT_IN = 0  # the sample whose faults no mask can carry
 
@@ -43,8 +48,8 @@ def sample(number: int) -> tuple[Task, Batch, Outcome]:
     task = random_task(number, Timing(4, 36, 9, 1), atoms=16, masks_only=True)
     if number == BUILT_IN:
         task = replace(task, atoms=tuple(chosen_by_step(task.system)))
-    batch = random_batch(task, number, 300)
-    return task, batch, NativeEngine(task, prune=False).run(batch)
+    batch = random_batch(task, number, 700)
+    return task, batch, NativeEngine(task, prune=False, form="words").run(batch)
 
 
 def chosen_by_step(system: System) -> Iterator[Fault]:
@@ -55,10 +60,10 @@ def chosen_by_step(system: System) -> Iterator[Fault]:
         yield Fault(byzantine(), [point], values={point: [bool(v) for v in values] if term.sort == BIT else values})
 
 
-def found() -> Iterator[bool]:
+def found(form: str) -> Iterator[bool]:
     for number in SAMPLES:
         task, batch, right = sample(number)
-        yield bool(differences(NativeEngine(task).run(batch), right))
+        yield bool(differences(NativeEngine(task, form=form).run(batch), right))
 
 
 Plant = Callable[[pytest.MonkeyPatch], None]
@@ -70,8 +75,9 @@ def mistake(plant: Plant) -> Plant:
     return plant
 
 
-def test_without_a_mistake_nothing_is_found() -> None:
-    assert not any(found())
+@pytest.mark.parametrize("form", FORMS)
+def test_without_a_mistake_nothing_is_found(form: str) -> None:
+    assert not any(found(form))
 
 
 # --- the time at which a fault acts ----------------------------------------------------------------------------------
@@ -97,7 +103,7 @@ def a_fault_ends_a_step_late(patch: pytest.MonkeyPatch) -> None:
 
 @mistake
 def a_fault_never_ends(patch: pytest.MonkeyPatch) -> None:
-    right = driver.masking
+    right = masking.masking
     patch.setattr(program, "masking", lambda kernel: [right(kernel)[0], idle(kernel, "pass", "i64 %lane")])
 
 
@@ -346,7 +352,7 @@ def a_switch_stays_off(patch: pytest.MonkeyPatch) -> None:
     right = Program._entry
     patch.setattr(
         Program, "_entry",
-        lambda self, keep, turn, mask: right(self, keep, turn, Mask(0, 0) if keep is UNUSED else mask),
+        lambda self, keep, turn, mask, at: right(self, keep, turn, Mask(0, 0) if keep is UNUSED else mask, at),
     )  # fmt: skip
 
 
@@ -368,14 +374,54 @@ def a_mask_blocks_what_should_pass(patch: pytest.MonkeyPatch) -> None:
     patch.setattr(Program, "_passing", property(wrong))
 
 
-@pytest.mark.parametrize("name", MISTAKES)
-def test_a_mistake_is_found(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+# --- slices of bits --------------------------------------------------------------------------------------------------
+
+OF_WORDS = {name for name in MISTAKES if "register" in name or name.startswith("equal digests")}
+OF_SLICES: dict[str, Plant] = {
+    "masks are not looked at": lambda patch: patch.setattr(Planes, "_masked", lambda self, k, point, healthy: healthy),
+    "lanes are not taken": lambda patch: patch.setattr(Planes, "take_lanes", lambda *args: None),
+    "lanes are not given": lambda patch: patch.setattr(Planes, "give_lanes", lambda *args: None),
+    "a square is not turned": lambda patch: patch.setattr(
+        Planes, "take_lanes", lambda self, k, state, records: self.give_lanes(k, records, state, "")
+    ),
+    "half of the planes are restored": lambda patch: patch.setattr(Planes, "_planes_used", property(half)),
+    "every bit of an input is its lowest": lambda patch: patch.setattr(
+        Planes, "_spread_bit", lambda self, k, term, i, right=Planes._spread_bit: right(self, k, term, 0)
+    ),
+    "bits lie the other way round": lambda patch: patch.setattr(
+        Planes, "_place",
+        lambda self, s, i, right=Planes._place: right(self, s, size_of(s.var.sort) - 1 - i),
+    ),
+    "inputs of a function change places": lambda patch: patch.setattr(ternary, "COLUMNS", (0xCC, 0xF0, 0xAA)),
+    "a gate is another": lambda patch: patch.setitem(ternary.GATES, "or", lambda x, y: x ^ y),
+}  # fmt: skip
+
+
+def half(self: Planes) -> int:
+    return sum(size_of(s.var.sort) for s in self.registers) // 2
+
+
+EACH = [(MISTAKES, name, "words") for name in MISTAKES]
+EACH += [(MISTAKES, name, "sliced") for name in MISTAKES if name not in OF_WORDS]
+EACH += [(OF_SLICES, name, "sliced") for name in OF_SLICES]
+
+
+@pytest.mark.parametrize(("plants", "name", "form"), EACH, ids=[f"{name}, {form}" for _, name, form in EACH])
+def test_a_mistake_is_found(plants: dict[str, Plant], name: str, form: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    if name in ("inputs of a function change places", "a gate is another"):
+        ternary_or_skip()
     for number in SAMPLES:
         sample(number)
-    MISTAKES[name](monkeypatch)
-    assert any(found())
+    plants[name](monkeypatch)
+    assert any(found(form))
 
 
-def test_states_of_one_digest_stay_apart(monkeypatch: pytest.MonkeyPatch) -> None:
+def ternary_or_skip() -> None:
+    if not host().in_slices().ternary:
+        pytest.skip("this processor has no functions of three operands")
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_states_of_one_digest_stay_apart(form: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(sweep, "_digest", lambda words: np.zeros(len(words), np.uint64))
-    assert not any(found())
+    assert not any(found(form))

@@ -9,6 +9,7 @@ What is counted is the difference from the fault-free run, so a step left out co
 from __future__ import annotations
 
 from safety.inject.native.kernel import Kernel
+from safety.inject.native.masking import ENTRY
 from safety.inject.native.routine import Routine
 
 NEVER = 2**31 - 1
@@ -28,8 +29,6 @@ NUMBERS = {"groups", "going_on", "start", "stop", "wide", "prune", "columns", "b
 # where it has none; entry: where each atom's entries begin, and the last's end; passing: `taps` without faults;
 # counts: (wires, blocks, columns) of int32 and came: (watched, columns), both to be added to.
 
-ENTRY = ("keep", "turn", "keep_at", "turn_at", "size", "flag")  # an atom at a point, 8 bytes each; masks and where they go
-PACKED = 0  # a size: the lanes are the bits of one number
 SUM = 2  # bytes of a lane's count before it goes out
 
 
@@ -321,66 +320,6 @@ class Driver:
                 k.run(function, f"ptr {self.given['taps']}", f"ptr {entry}", f"i64 {lane}")
 
 
-def masking(kernel: Kernel) -> list[Routine]:
-    """`mask(taps, entry, lane)`: an atom's mask on what is there already; `pass(...)`: none any more."""
-    write = _masking_planes if kernel.target.sliced else _masking
-    return [write(kernel, "mask"), write(kernel, "pass")]
-
-
-def _masking_planes(kernel: Kernel, name: str) -> Routine:
-    k = Routine(kernel.target, name, ["ptr %taps", "ptr %entry", "i64 %lane"])
-    keep, turn, keep_at, turn_at, size, flag = (k.load("i64", "%entry", 8 * i, align=8) for i in range(len(ENTRY)))
-    byte = k.op("lshr i64 %lane, 3")
-    shift = k.op(f"trunc i64 {k.op('and i64 %lane, 7')} to i8")
-    own = k.op(f"shl i8 1, {shift}")
-    others = k.op(f"xor i8 {own}, -1")
-    k.store("i8", 1, k.at("%taps", flag))
-    with k.each(0, size) as i:
-        behind = k.op(f"add i64 {byte}, {k.op(f'mul i64 {i}, {k.lanes // 8}')}")
-        places = [k.at(k.at("%taps", at), behind) for at in (keep_at, turn_at)]
-        held, turned = (k.load("i8", place) for place in places)
-        if name == "pass":
-            held, turned = k.op(f"or i8 {held}, {own}"), k.op(f"and i8 {turned}, {others}")
-        else:
-            bits = [k.op(f"trunc i64 {k.op(f'lshr i64 {x}, {i}')} to i1") for x in (keep, turn)]
-            k_ = k.op(f"select i1 {bits[0]}, i8 -1, i8 {others}")
-            t_ = k.op(f"select i1 {bits[1]}, i8 {own}, i8 0")
-            held = k.op(f"and i8 {held}, {k_}")
-            turned = k.op(f"xor i8 {k.op(f'and i8 {turned}, {k_}')}, {t_}")
-        k.store("i8", held, places[0])
-        k.store("i8", turned, places[1])
-    return k
-
-
-def _masking(kernel: Kernel, name: str) -> Routine:
-    k = Routine(kernel.target, name, ["ptr %taps", "ptr %entry", "i64 %lane"])
-    keep, turn, keep_at, turn_at, size = (k.load("i64", "%entry", 8 * i, align=8) for i in range(5))
-    keep_place, turn_place = k.at("%taps", keep_at), k.at("%taps", turn_at)
-    sizes = [(b, f"i{8 * b}") for b in (1, 2, 4, 8)] + ([(PACKED, f"i{k.lanes}")] if kernel.target.packed else [])
-    for number, kind in sizes:
-        with k.when(k.is_("eq", "i64", size, number)):
-            k_, t_ = (x if kind == "i64" else k.op(f"trunc i64 {x} to {kind}") for x in (keep, turn))
-            if number == PACKED:
-                lane = "%lane" if kind == "i64" else k.op(f"trunc i64 %lane to {kind}")
-                own = k.op(f"shl {kind} 1, {lane}")
-                k_ = k.op(f"or {kind} {k.op(f'shl {kind} {k_}, {lane}')}, {k.op(f'xor {kind} {own}, -1')}")
-                t_ = k.op(f"shl {kind} {t_}, {lane}")
-                places = keep_place, turn_place
-            else:
-                own = "-1"
-                places = k.element(keep_place, kind, "%lane"), k.element(turn_place, kind, "%lane")
-            held, turned = (k.load(kind, place) for place in places)
-            if name == "pass":
-                held = k.op(f"or {kind} {held}, {own}")
-                turned = k.op(f"and {kind} {turned}, {k.op(f'xor {kind} {own}, -1')}")
-            else:
-                held = k.op(f"and {kind} {held}, {k_}")
-                turned = k.op(f"xor {kind} {k.op(f'and {kind} {turned}, {k_}')}, {t_}")
-            k.store(kind, held, places[0])
-            k.store(kind, turned, places[1])
-    return k
-
-
 def recorder(kernel: Kernel) -> Routine:
     """`golden(rows, total, state, other, seen)`: the fault-free run, a row a step, from the state in the first lane."""
     k = Routine(kernel.target, "golden", ["ptr %rows", "i64 %total", "ptr %state", "ptr %other", "ptr %seen"])
@@ -390,7 +329,9 @@ def recorder(kernel: Kernel) -> Routine:
         k.run("@record", f"ptr {before.value}", f"ptr {row}")
         k.run("@healthy", f"ptr {before.value}", f"ptr {after.value}", f"ptr {row}", "ptr %seen")
         for i in range(len(kernel.wires)):
-            k.store("i8", k.op(f"and i8 {k.load('i8', '%seen', i * kernel.word)}, 1"), row, kernel.row.offset(f"wire{i}"))
+            k.store(
+                "i8", k.op(f"and i8 {k.load('i8', '%seen', i * kernel.word)}, 1"), row, kernel.row.offset(f"wire{i}")
+            )
         x = before.value
         before.set(after.value)
         after.set(x)

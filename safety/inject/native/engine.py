@@ -34,8 +34,9 @@ class NativeEngine:
     """Runs batches of a task on native code; see `safety.inject.engine`.
 
     `prune=False` runs every group from the first step to the last with faults, whatever may be left out; the outcome is
-    the same.  `form`: words of lanes or slices of bits, or for each program what is cheaper.  Raises `TermError` for a model that has reals or numbers beyond 64 bits, `CampaignError` for a fault that
-    does not fit its point, `ImportError` without LLVM.
+    the same.  `form`: lanes as "words", as bits ("sliced"), or for each program what is cheaper ("auto").  Raises
+    `TermError` for a model that has reals or numbers beyond 64 bits, `CampaignError` for a fault that does not fit its
+    point, `ModelError` for an unknown form, `ImportError` without LLVM.
     """
 
     name = "native"
@@ -115,7 +116,9 @@ class NativeEngine:
         first = int(batch.first[batch.atoms != NONE][0])
         if first not in self._excitations:
             masks = [found or {} for found in self._masks]
-            self._excitations[first] = Excitation(self.task, masks, first, lambda: self._stimulus, self.target, self.form)
+            self._excitations[first] = Excitation(
+                self.task, masks, first, lambda: self._stimulus, self.target, self.form
+            )
         atoms = self._excitations[first].reduced(batch.atoms).astype(np.int64) + 1
         key = sum(row * (len(self.task.atoms) + 1) ** i for i, row in enumerate(atoms))
         _, chosen, which = np.unique(key, return_index=True, return_inverse=True)

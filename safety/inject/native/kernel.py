@@ -68,7 +68,12 @@ class Kernel:
     @cached_property
     def row(self) -> Row:
         """The fault-free run as this kernel reads it."""
-        return Row([*(s.var for s in self.registers), *self.inputs.values()], self.watched, len(self.wires), self.recorded_words)
+        return Row(
+            [*(s.var for s in self.registers), *self.inputs.values()],
+            self.watched,
+            len(self.wires),
+            self.recorded_words,
+        )
 
     @property
     def slices_pay(self) -> bool:
@@ -185,7 +190,8 @@ class Kernel:
         """What a register, by its number, holds in each record."""
         import numpy as np
 
-        return np.ascontiguousarray(records).view(self.kept.type)[:, 0][f"v{register}"]
+        held: Array = np.ascontiguousarray(records).view(self.kept.type)[:, 0][f"v{register}"]
+        return held
 
     def give(self) -> Routine:
         """`give(state, lane, record)`: a lane as a record."""

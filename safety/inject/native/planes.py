@@ -40,6 +40,7 @@ class Planes(Kernel):
         return self.tapped.passing()
 
     def faulty(self) -> Routine:
+        """`faulty(before, after, row, seen, taps)`: a step with faults."""
         k = Routine(self.target, "faulty", [*STEP, "ptr noalias %taps"])
         for switch in self.tapped.switches:
             (bit,) = leaves(switch)
@@ -48,6 +49,7 @@ class Planes(Kernel):
         return self._planes(k, self.tapped.passing(), slices)
 
     def healthy(self) -> Routine:
+        """`healthy(before, after, row, seen)`: a step without faults."""
         return self._planes(Routine(self.target, "healthy", STEP), self.tapped.without_faults(), Slices())
 
     def _planes(self, k: Routine, system: System, slices: Slices) -> Routine:
@@ -85,9 +87,7 @@ class Planes(Kernel):
             )
             seen.append(k.op(f"xor {kind} {k.op(f'and {kind} {x}, {keep}')}, {turn}"))
         k.join(end)
-        return [
-            k.op(f"phi {kind} [ {x}, %{before} ], [ {y}, %{then} ]") for x, y in zip(healthy, seen, strict=True)
-        ]
+        return [k.op(f"phi {kind} [ {x}, %{before} ], [ {y}, %{then} ]") for x, y in zip(healthy, seen, strict=True)]
 
     def _spread_bit(self, k: Routine, term: Term, i: int) -> str:
         """A bit of a number of the fault-free run, in every lane."""
@@ -99,16 +99,17 @@ class Planes(Kernel):
         first = k.op(f"insertelement {words} poison, i64 {k.op(f'sext i1 {bit} to i64')}, i64 0")
         return k.op(f"shufflevector {words} {first}, {words} poison, <{k.lanes // 64} x i32> zeroinitializer")
 
-
     # --- lanes and the fault-free run ------------------------------------------------------------------------------
 
     def restore(self) -> Routine:
+        """`restore(state, row)`: every lane as the fault-free run is."""
         k = Routine(self.target, "restore", ["ptr noalias %state", "ptr noalias %row"])
         with self._each_plane(k) as (place, there):
             k.store(bit_type(k), there, place, align=8)
         return k
 
     def diverged(self) -> Routine:
+        """`diverged(state, row)`: the lanes that are not as the fault-free run is."""
         k = Routine(self.target, "diverged", ["ptr noalias %state", "ptr noalias %row"], Routine.number_of(self.target))
         kind = bit_type(k)
         total = k.local(kind, "zeroinitializer")
@@ -133,6 +134,7 @@ class Planes(Kernel):
         return sum(size_of(s.var.sort) for s in self.registers)
 
     def record(self) -> Routine:
+        """`record(state, row)`: the first lane as the fault-free run, a bit for each plane."""
         k = Routine(self.target, "record", ["ptr noalias %state", "ptr noalias %row"])
         record = k.at("%row", self.row.offset("record"))
         with k.each(0, self.words) as word:
@@ -149,13 +151,16 @@ class Planes(Kernel):
 
     @property
     def recorded_words(self) -> int:
+        """Words of a record in a row."""
         return self.words
 
     @property
     def words(self) -> int:
+        """Words of a record."""
         return self.state.size // (64 * self.plane)
 
     def to_record(self, values: Sequence[int]) -> Array:
+        """A record of values of the registers, in their order."""
         import numpy as np
 
         whole = 0
@@ -164,6 +169,7 @@ class Planes(Kernel):
         return np.frombuffer(whole.to_bytes(8 * self.words, "little"), np.uint64).copy()
 
     def from_records(self, records: Array, register: int) -> Array:
+        """What a register, by its number, holds in each record."""
         import numpy as np
 
         s = self.registers[register]
@@ -179,15 +185,19 @@ class Planes(Kernel):
         return (found << unused).view(np.int64) >> unused.astype(np.int64)
 
     def give(self) -> Routine:
+        """`give(state, records)`: every lane as a record."""
         return self._squares("give")
 
     def take(self) -> Routine:
+        """`take(state, records)`: every lane from its record."""
         return self._squares("take")
 
     def take_lanes(self, k: Routine, state: str, records: str) -> None:
+        """Write what takes each lane of a group from its record."""
         k.run("@take", f"ptr {state}", f"ptr {records}")
 
     def give_lanes(self, k: Routine, state: str, records: str, lanes: str) -> None:
+        """Write what gives the lanes of a group as records, all of them."""
         k.run("@give", f"ptr {state}", f"ptr {records}")
 
     def _squares(self, name: str) -> Routine:
@@ -220,7 +230,9 @@ class Planes(Kernel):
             parts = []
             for mask, more in ((low, moved[0]), (~low, moved[1])):
                 own, foreign = splat(64, mask), splat(64, ~mask)
-                parts.append(k.op(f"or {kind} {k.op(f'and {kind} {x}, {own}')}, {k.op(f'and {kind} {more}, {foreign}')}"))
+                parts.append(
+                    k.op(f"or {kind} {k.op(f'and {kind} {x}, {own}')}, {k.op(f'and {kind} {more}, {foreign}')}")
+                )
             x = k.op(f"select <64 x i1> <{upper}>, {kind} {parts[1]}, {kind} {parts[0]}")
         k.store(kind, x, square)
         with k.each(0, 64) as i:

@@ -9,10 +9,11 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from safety.inject.engine import NEVER, NONE, Batch, Outcome, Task
 from safety.inject.masks import Mask
-from safety.inject.native.driver import ENTRY, PACKED, PARAMETERS, SUM, Driver, masking, recorder
+from safety.inject.native.driver import PARAMETERS, SUM, Driver, recorder
 from safety.inject.native.kernel import UNUSED, Kernel
-from safety.inject.native.planes import Planes
 from safety.inject.native.layout import LINE, lane_bytes
+from safety.inject.native.masking import ENTRY, PACKED, masking
+from safety.inject.native.planes import Planes
 from safety.inject.native.tapped import Tapped
 from safety.terms.column_bits import size_of
 from safety.terms.graph import BIT, Term
@@ -26,7 +27,7 @@ if TYPE_CHECKING:
     Array = npt.NDArray[Any]
 
 AUTO, WORDS, SLICED = FORMS = ("auto", "words", "sliced")  # how lanes are kept: words, bits, or what is cheaper
-SELDOM = "!0 = !{!\"branch_weights\", i32 1, i32 2000}"  # what a branch that is seldom taken refers to
+SELDOM = '!0 = !{!"branch_weights", i32 1, i32 2000}'  # what a branch that is seldom taken refers to
 POINTER, NUMBER = ctypes.c_void_p, ctypes.c_int64
 
 Act = Mapping[str, Mask] | int  # what a fault does: masks at points, or the number of its switch
@@ -91,7 +92,9 @@ class Program:
         stimulus, chosen = self._stimulus(), self._choices(total)
         for i, name in enumerate(kernel.inputs, start=len(kernel.registers)):
             rows[f"v{i}"][:total] = np.repeat(stimulus[name], t.steps) if name in stimulus else chosen[name]
-        state, other, seen = (aligned(n) for n in (kernel.state.size, kernel.state.size, len(kernel.wires) * kernel.word))
+        state, other, seen = (
+            aligned(n) for n in (kernel.state.size, kernel.state.size, len(kernel.wires) * kernel.word)
+        )
         self._library.function("restore", POINTER, POINTER)(state.ctypes.data, rows.ctypes.data)
         golden = self._library.function("golden", POINTER, NUMBER, POINTER, POINTER, POINTER)
         golden(rows.ctypes.data, total, *(a.ctypes.data for a in (state, other, seen)))
@@ -186,14 +189,20 @@ class Program:
             **{"entry": entry, "entries": entries, "rows": self.rows, "taps": taps, "passing": self._passing},
             **{"before": taken, "after": records if keep else 0, "apart": apart},
             **dict(zip(("state", "other"), block, strict=True)),
-            **{"seen": aligned(wires * kernel.word), "ever": aligned(wires * kernel.word), "sums": aligned(wires * lanes * SUM)},
+            **{
+                "seen": aligned(wires * kernel.word),
+                "ever": aligned(wires * kernel.word),
+                "sums": aligned(wires * lanes * SUM),
+            },
             **{"counts": counts.ctypes.data - 4 * first * columns, "came": came},
             **{"columns": columns, "blocks": counts.shape[1]},
         }
         addresses = [x.ctypes.data if isinstance(x := given[name], np.ndarray) else int(x) for name in PARAMETERS]
         parameters = np.array(addresses, np.int64)
         self._run(parameters.ctypes.data)
-        bits = np.unpackbits(apart.view(np.uint8), bitorder="little").reshape(groups, 8 * kernel.word)[:, :lanes].ravel()
+        bits = (
+            np.unpackbits(apart.view(np.uint8), bitorder="little").reshape(groups, 8 * kernel.word)[:, :lanes].ravel()
+        )
         if keep:
             records[bits == 0] = self.kept(stop)
         return Stretch(first, counts[:, :, :-1], came[:, :-1], records[known] if keep else records, bits[known] > 0)

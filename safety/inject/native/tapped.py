@@ -59,7 +59,9 @@ def tapped(system: System, points: Sequence[str], faults: Sequence[Fault] = ()) 
     free = [name for name in faulted.choices if name not in names]
     longest = max((len(v) for fault in faults for v in (fault.values or {}).values()), default=1)
     return Tapped(
-        replace(carried.system, inputs={n: t for n, t in inputs.items() if n not in names}).mapped(partial(without_points, but=carried.variables)),
+        replace(carried.system, inputs={n: t for n, t in inputs.items() if n not in names}).mapped(
+            partial(without_points, but=carried.variables)
+        ),
         carried.variables,
         tuple(inputs[name] for name in names),
         lambda step: {name: value for name, value in choose(step).items() if name in free},
