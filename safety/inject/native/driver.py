@@ -161,7 +161,7 @@ class Driver:
         with k.when(masked):
             k.run("@faulty", *seen, f"ptr {self.given['taps']}")
         with k.when(k.op(f"xor i1 {masked}, true")):
-            k.run("@healthy", *seen)
+            self.kernel.healthy_step(k, seen, self.given["taps"])
         before = self.before.value
         self.before.set(self.after.value)
         self.after.set(before)
@@ -299,6 +299,8 @@ class Driver:
                     self._masks(self._acts(*window), place, lane, "@mask")
         self.next.set(k.op(f"sext i32 {k.least(many, following.value)} to i64"))
         self.active.set(k.op(f"zext i1 {k.is_('ne', k.word, acting.value, 0)} to i64"))
+        with k.when(k.is_("eq", "i64", self.active.value, 0)):
+            self.kernel.clear(k, self.given["taps"])
 
     def _of_lanes(self, name: str, place: str, first: str, times: str) -> str:
         """A number of the fault of each of some lanes."""
@@ -321,13 +323,16 @@ class Driver:
 
 
 def recorder(kernel: Kernel) -> Routine:
-    """`golden(rows, total, state, other, seen)`: the fault-free run, a row a step, from the state in the first lane."""
-    k = Routine(kernel.target, "golden", ["ptr %rows", "i64 %total", "ptr %state", "ptr %other", "ptr %seen"])
+    """`golden(rows, total, state, other, seen, taps)`: the fault-free run, a row a step, from the state in the first lane."""
+    k = Routine(
+        kernel.target, "golden", ["ptr %rows", "i64 %total", "ptr %state", "ptr %other", "ptr %seen", "ptr %taps"]
+    )
     before, after = k.local("ptr", "%state"), k.local("ptr", "%other")
     with k.each(0, "%total") as step:
         row = k.at("%rows", k.op(f"mul i64 {step}, {kernel.row.type.itemsize}"))
         k.run("@record", f"ptr {before.value}", f"ptr {row}")
-        k.run("@healthy", f"ptr {before.value}", f"ptr {after.value}", f"ptr {row}", "ptr %seen")
+        given = [f"ptr {before.value}", f"ptr {after.value}", f"ptr {row}", "ptr %seen"]
+        kernel.healthy_step(k, given, "%taps")
         for i in range(len(kernel.wires)):
             k.store(
                 "i8", k.op(f"and i8 {k.load('i8', '%seen', i * kernel.word)}, 1"), row, kernel.row.offset(f"wire{i}")

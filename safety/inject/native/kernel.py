@@ -229,6 +229,17 @@ class Kernel:
             bit = k.op(f"shl {kind} {k.op(f'zext i8 {bit} to {kind}')}, {shift}")
             k.store(kind, k.op(f"or {kind} {others}, {bit}"), place)
 
+    def steps(self) -> list[Routine]:
+        """The functions of a step, with faults and without."""
+        return [self.faulty(), self.healthy()]
+
+    def healthy_step(self, k: Routine, given: Sequence[str], taps: str) -> None:
+        """Write a step in which no fault acts; `given` are its first arguments."""
+        k.run("@healthy", *given)
+
+    def clear(self, k: Routine, taps: str) -> None:
+        """Write what is done when no fault acts any more."""
+
     def take_lanes(self, k: Routine, state: str, records: str) -> None:
         """Write what takes each lane of a group from its record."""
         with k.each(0, k.lanes) as lane:

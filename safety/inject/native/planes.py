@@ -48,10 +48,6 @@ class Planes(Kernel):
         slices = Slices(cut=lambda point: point.attr in self.tapped.masks)
         return self._planes(k, self.tapped.passing(), slices)
 
-    def healthy(self) -> Routine:
-        """`healthy(before, after, row, seen)`: a step without faults."""
-        return self._planes(Routine(self.target, "healthy", STEP), self.tapped.without_faults(), Slices())
-
     def _planes(self, k: Routine, system: System, slices: Slices) -> Routine:
         follow = [(s, slices.of(system.state[s.path].next)) for s in self.registers]
         seen = [slices.of(system.lookup(wire))[0] for wire in self.wires]
@@ -191,6 +187,20 @@ class Planes(Kernel):
     def take(self) -> Routine:
         """`take(state, records)`: every lane from its record."""
         return self._squares("take")
+
+    def steps(self) -> list[Routine]:
+        """The function of a step: one without faults would be as fast as that with no point flagged."""
+        return [self.faulty()]
+
+    def healthy_step(self, k: Routine, given: Sequence[str], taps: str) -> None:
+        """Write a step in which no fault acts; `given` are its first arguments."""
+        k.run("@faulty", *given, f"ptr {taps}")
+
+    def clear(self, k: Routine, taps: str) -> None:
+        """Write what is done when no fault acts any more: the masks let everything pass, no point is flagged."""
+        k.intrinsics.add("declare void @llvm.memset.p0.i64(ptr, i8, i64, i1)")
+        flags, size = k.at(taps, self.taps.size), self.taps_size - self.taps.size
+        k.lines.append(f"call void @llvm.memset.p0.i64(ptr {flags}, i8 0, i64 {size}, i1 false)")
 
     def take_lanes(self, k: Routine, state: str, records: str) -> None:
         """Write what takes each lane of a group from its record."""

@@ -96,8 +96,8 @@ class Program:
             aligned(n) for n in (kernel.state.size, kernel.state.size, len(kernel.wires) * kernel.word)
         )
         self._library.function("restore", POINTER, POINTER)(state.ctypes.data, rows.ctypes.data)
-        golden = self._library.function("golden", POINTER, NUMBER, POINTER, POINTER, POINTER)
-        golden(rows.ctypes.data, total, *(a.ctypes.data for a in (state, other, seen)))
+        golden = self._library.function("golden", POINTER, NUMBER, POINTER, POINTER, POINTER, POINTER)
+        golden(rows.ctypes.data, total, *(a.ctypes.data for a in (state, other, seen, self._passing)))
         if kernel.recorded_words:
             for i in range(len(kernel.registers)):
                 rows[f"v{i}"] = kernel.from_records(rows["record"], i)
@@ -249,7 +249,7 @@ class Program:
 
 def source(kernel: Kernel) -> str:
     """LLVM text of everything that a kernel's runs need."""
-    steps = [kernel.faulty(), kernel.healthy(), kernel.restore(), kernel.diverged(), kernel.record()]
+    steps = [*kernel.steps(), kernel.restore(), kernel.diverged(), kernel.record()]
     steps += [kernel.give(), kernel.take(), *kernel.helpers()]
     routines = [*steps, *masking(kernel), Driver(kernel).write(), recorder(kernel)]
     declared = sorted({d for routine in routines for d in routine.intrinsics})
