@@ -19,7 +19,7 @@ MOST_COUNTED = 2**15 - 1  # in 16 bits
 # What the driver is given, each 8 bytes: an address, or a number.
 PARAMETERS = (
     "groups", "going_on", "start", "stop", "prune", "wide", "atoms", "first", "end", "column", "entry", "entries",
-    "rows", "before", "after", "apart", "state", "other", "seen", "taps", "passing", "sums", "ever",
+    "rows", "before", "after", "apart", "state", "other", "seen", "taps", "passing", "sums", "up", "ever",
     "counts", "came", "columns", "blocks",
 )  # fmt: skip
 NUMBERS = {"groups", "going_on", "start", "stop", "wide", "prune", "columns", "blocks"}
@@ -48,6 +48,7 @@ class Driver:
         self.before, self.after = k.local("ptr", self.given["state"]), k.local("ptr", self.given["other"])
         self.check, self.gap = k.local("i64", 0), k.local("i64", 1)
         self.block, self.counted = k.local("i64", 0), k.local("i64", 0)
+        self.golden = [k.local("i16", 0) for _ in kernel.counted]  # true frames without faults since counts went out
         self.missed = [k.local("i32", NEVER) for _ in range(kernel.watched)]
 
     def write(self) -> Routine:
@@ -201,9 +202,14 @@ class Driver:
             seen = k.load(kind, self.given["seen"], i * kernel.word, align=8)
             golden = k.op(f"trunc i8 {k.load('i8', row, kernel.row.offset(f'wire{i}'))} to i1")
             if i in kernel.counted:
-                other = k.op(f"xor {kind} {seen}, {k.all_of(golden)}")
-                with k.when(k.some(other)):
-                    self._count(i, other, k.op(f"select i1 {golden}, i16 -1, i16 1"))
+                self.golden[kernel.counted.index(i)].add(k.op(f"zext i1 {golden} to i16"))
+                up = k.load(kind, self.given["up"], i * kernel.word, align=8)
+                changed = k.op(f"xor {kind} {seen}, {up}")
+                with k.when(k.some(changed)):
+                    k.store(kind, seen, self.given["up"], i * kernel.word, align=8)
+                    now = k.op(f"trunc i64 {self.counted.value} to i16")
+                    self._count(i, k.op(f"and {kind} {changed}, {seen}"), k.op(f"sub i16 0, {now}"))
+                    self._count(i, k.op(f"and {kind} {changed}, {up}"), now)
             if i < kernel.watched:
                 ever = k.load(kind, self.given["ever"], i * kernel.word, align=8)
                 new = k.op(f"and {kind} {seen}, {k.inverted(ever)}")
@@ -219,27 +225,37 @@ class Driver:
         return k.element(place, "i16", first)
 
     def _count(self, wire: int, lanes: str, more: str) -> None:
-        """Add to the counts of some lanes."""
+        """Add to the counts of some lanes: less by the frame where a wire rises, more by that where it falls."""
         k = self.k
         many = min(k.lanes, 64)
         kind = f"<{many} x i16>"
         each = k.spread_over(many, "i16", more)
-        with k.each_word(lanes) as (lane, word):
+        with k.each_word(lanes) as (lane, word), k.when(k.is_("ne", k.word, word, 0)):
             place = self._sums(wire, lane)
             chosen = k.op(f"bitcast {k.word} {word} to <{many} x i1>")
             step = k.op(f"select <{many} x i1> {chosen}, {kind} {each}, {kind} zeroinitializer")
             k.store(kind, k.op(f"add {kind} {k.load(kind, place)}, {step}"), place)
 
     def _flush(self) -> None:
-        """The counts of this block go out, where there are any."""
+        """The counts of this block go out, where they are not those of the fault-free run; none is up any more."""
         k, blocks, columns = self.k, self.given["blocks"], self.given["columns"]
         many = min(k.lanes, 64)
         kind = f"<{many} x i16>"
+        frames = k.spread_over(many, "i16", k.op(f"trunc i64 {self.counted.value} to i16"))
         self.counted.set(0)
         for position, wire in enumerate(self.kernel.counted):
+            golden = k.spread_over(many, "i16", self.golden[position].value)
+            self.golden[position].set(0)
             with k.each(0, k.lanes // many) as word:
                 first = k.op(f"mul i64 {word}, {many}")
-                some = k.op(f"icmp ne {kind} {k.load(kind, self._sums(wire, first))}, zeroinitializer")
+                place = k.element(k.at(self.given["up"], wire * self.kernel.word), k.word, word)
+                up = k.op(f"bitcast {k.word} {k.load(k.word, place)} to <{many} x i1>")
+                k.store(k.word, 0, place)
+                until = k.op(f"select <{many} x i1> {up}, {kind} {frames}, {kind} zeroinitializer")
+                sums = k.op(f"add {kind} {k.load(kind, self._sums(wire, first))}, {until}")
+                sums = k.op(f"sub {kind} {sums}, {golden}")
+                k.store(kind, sums, self._sums(wire, first))
+                some = k.op(f"icmp ne {kind} {sums}, zeroinitializer")
                 with k.each_of(k.op(f"bitcast <{many} x i1> {some} to {k.word}")) as place:
                     lane = k.op(f"add i64 {first}, {place}")
                     block = k.op(f"add i64 {k.op(f'mul i64 {blocks}, {position}')}, {self.block.value}")

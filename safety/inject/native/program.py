@@ -192,6 +192,7 @@ class Program:
             **{
                 "seen": aligned(wires * kernel.word),
                 "ever": aligned(wires * kernel.word),
+                "up": aligned(wires * kernel.word),
                 "sums": aligned(wires * lanes * SUM),
             },
             **{"counts": counts.ctypes.data - 4 * first * columns, "came": came},
