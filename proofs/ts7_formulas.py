@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from fractions import Fraction
+from functools import cache
 from math import ceil, floor
 from typing import Any, NamedTuple
 
@@ -65,11 +66,13 @@ def underspeed(s: Seen, channel: str = "a", words: int = 0) -> Bit:
     return excess(s, channel) <= -PER_WORD * words
 
 
+@cache
 def at_least_kmh(speed: Fraction | int | str) -> int:
     """Least value of the speed input, 1/4096 word a frame, that is no slower than a speed in km/h."""
     return ceil(KMH_PER_WORD.inverse().times(PER_WORD * Fraction(speed)).high)
 
 
+@cache
 def at_most_kmh(speed: Fraction | int | str) -> int:
     """Greatest value of the speed input, 1/4096 word a frame, that is no faster than a speed in km/h."""
     return floor(KMH_PER_WORD.inverse().times(PER_WORD * Fraction(speed)).low)

@@ -86,10 +86,10 @@ def covering(claim: Claim, campaign: Campaign) -> dict[int, str]:
     if claim.faults is None or claim.faults.most == 0:
         raise _useless(campaign, claim, "it allows no fault")
     proved = trace(claim.model, claim.settings, claim.symbolic).settings
-    for path, used in system.settings.items():
-        if proved[path].value is not None and proved[path].value != used.value:  # None: left open in its range
-            why = f"{path} is {used.value} here and {proved[path].value} in the claim"
-            raise _useless(campaign, claim, why)
+    for scenario in range(campaign.scenarios):
+        for path, used in campaign.variant(scenario).system.settings.items():
+            if proved[path].value not in (None, used.value):  # None: left open in its range
+                raise _useless(campaign, claim, f"{path} is {used.value} here and {proved[path].value} in the claim")
     allowed = expand(system, claim.faults.faults)
     found: dict[int, str] = {}
     for place, fault in enumerate(space.singles):

@@ -22,6 +22,7 @@ from safety.faults import (
     stuck,
 )
 from safety.inject import Campaign, CampaignError, Group
+from safety.inject.variants import Choice
 from safety.model import Model, parameter, point, power_up
 from safety.prove.claims import PROVED, Claim, Seen, claim, registered
 from safety.prove.hazards import Hazard
@@ -187,6 +188,14 @@ def test_a_claim_covers_the_settings_that_it_is_proved_for_or_leaves_open(stops:
         else:
             with pytest.raises(CampaignError, match="in the claim"):
                 rows(one)
+
+
+def test_a_setting_that_is_drawn_is_compared_in_every_scenario(stops: Any) -> None:
+    drawn = {"vary": {"a.limit": Choice([8, 9])}, "scenarios": 6, "seed": 1}
+    assert {campaign(**drawn).variant(k).values["a.limit"] for k in range(6)} == {8, 9}
+    with pytest.raises(CampaignError, match="9 here and 8 in the claim"):
+        rows(campaign(stops(at_most(1, "lane")), **drawn))
+    assert rows(campaign(stops(at_most(1, "lane"), symbolic=("a.limit",)), **drawn))
 
 
 def test_claims_that_say_nothing_about_the_campaign_are_refused(stops: Any) -> None:

@@ -25,13 +25,10 @@ def write_json(document: Mapping[str, Any], target: str) -> None:
     """Write a results document to a file, or to stdout for `-`."""
     from safety.report.results import dumps, save
 
-    path = Path(target)
     if target == "-":
         data(dumps(dict(document)).rstrip("\n"))
-    elif path.exists() and not path.is_file():  # a pipe or a device: it cannot be replaced, only written
-        path.write_text(dumps(dict(document)), encoding="utf-8")
     else:
-        save(dict(document), path)
+        save(dict(document), Path(target))
 
 
 def write_plain(document: Mapping[str, Any], target: str) -> None:

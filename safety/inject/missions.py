@@ -73,6 +73,8 @@ def mission(
         raise CampaignError(f"{campaign.id}: the chances differ from the groups in {name!r}; {nearest(name, groups)}")
     if campaign.vary:
         raise CampaignError(f"{campaign.id}: vary draws scenarios; a mission has one stimulus, leave it out")
+    if campaign.space.drawn:
+        raise CampaignError(f"{campaign.id}: drawn= takes a few faults out of endlessly many; a mission draws from all")
     golden = campaign.engine_of().golden
     if judge(campaign, golden, golden, NEVER).cells[0] != NO_EFFECT:
         raise CampaignError(f"{campaign.id}: the fault-free run is judged faulty; correct the judges or the stimulus")
@@ -122,6 +124,7 @@ def _batch(campaign: Campaign, missions: list[Faulty], rng: np.random.Generator)
 
     space, timing = campaign.space, campaign.timing
     of_group = np.array(space.of_group)
+    length = NEVER if campaign.length is None else min(campaign.length, NEVER)
     atoms = np.full((len(space.groups), len(missions)), NONE, dtype=np.int32)
     first, end = np.zeros_like(atoms), np.zeros_like(atoms)
     for row, group in enumerate(space.groups):
@@ -129,6 +132,6 @@ def _batch(campaign: Campaign, missions: list[Faulty], rng: np.random.Generator)
         own = np.flatnonzero(of_group == row)
         atoms[row, there] = own[rng.integers(len(own), size=int(there.sum()))]
         first[row] = np.where(there, rng.integers(timing.frames, size=len(missions)) * timing.steps, 0)
-        end[row] = np.where(there, NEVER if campaign.length is None else first[row] + campaign.length, 0)
+        end[row] = np.where(there, np.minimum(first[row].astype(np.int64) + length, NEVER), 0)
     order = np.argsort(atoms == NONE, axis=0, kind="stable")[: max(1, *map(len, missions))]
     return Batch(*(np.take_along_axis(array, order, axis=0) for array in (atoms, first, end)))

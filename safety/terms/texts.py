@@ -89,7 +89,7 @@ def compile_lanes(inputs: Sequence[Term], outputs: Sequence[Term]) -> Callable[.
         "Fraction": Fraction,
         "np": np,
         "words": lambda x: np.asarray(x, dtype=np.int64),
-        "objects": lambda x: np.asarray(x, dtype=object),
+        "objects": lambda x: np.asarray(x).astype(object),  # Python's own integers, also from a single int64
         "wires": lambda x: np.asarray(x, dtype=np.bool_),
         "fractions": np.frompyfunc(lambda x: Fraction(int(x)), 1, 1),
     }

@@ -37,7 +37,7 @@ from tests.bench.injection_task import FRAMES, at_random, one_second, same
 from tests.bench.injection_verilator import Verilator
 from tests.bench.machine import described
 
-ROUNDS = 5
+ROUNDS = 3
 CORES = sorted(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else []
 LONG_S = 15.0
 A_POINT = 512  # runs with a fault at each point

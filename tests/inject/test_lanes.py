@@ -5,7 +5,7 @@ from __future__ import annotations
 import random
 from collections.abc import Callable, Iterator
 from dataclasses import replace
-from typing import Any
+from typing import Any, cast
 
 import pytest
 
@@ -29,7 +29,9 @@ from safety.inject import masks as masks_module
 from safety.inject.engine import Batch, Outcome
 from safety.inject.lanes import Chunk, LaneEngine
 from safety.inject.running import HEALTHY, outcome, run_again
-from safety.terms.graph import BIT
+from safety.system import Clock, State, System
+from safety.terms import UInt
+from safety.terms.graph import BIT, node, uint, variable
 
 Make = Callable[..., Campaign]
 Seen = tuple[dict[str, list[int]], dict[str, int]]
@@ -204,3 +206,22 @@ def test_a_broken_assumption_is_refused(campaign: Make) -> None:
 def test_groups_keep_their_faults(campaign: Make) -> None:
     group = Group("two", [Fault(stuck(1), ["lit"]), Fault(stuck(0), ["lit"])])
     assert campaign(faults=[group]).inject().groups.keys() == {"two"}
+
+
+@pytest.mark.parametrize("engine", ["lanes", "auto"])
+@pytest.mark.parametrize("width", [32, 62, 63])
+@pytest.mark.parametrize("operation", [UInt.__mul__, UInt.__add__])
+def test_a_result_beyond_64_bits_is_that_of_the_python_reading(operation: Any, width: int, engine: str) -> None:
+    a, x = variable("a", uint(width)), variable("x", uint(width))
+    p = node("point", (a,), "p", a.sort)
+    result = operation(cast(UInt, p), cast(UInt, x))
+    high = node("point", (result > result.sort.bounds[1] // 2,), "high", BIT)
+    states, points = (State(a, p, 2**width - 5),), {"p": p, "high": high}
+    one = Campaign(
+        id="wide", model=System("wide", Clock(event="tick"), states, {"x": x}, {"high": high}, points, {}, {}),
+        faults=[Fault(stuck(0), ["p"]), Fault(flip(width - 1), ["p"])], engine=engine,
+        measured=4, stimulus={"x": 2**width - 1}, observe={"high": "high"},
+        wrong_side=lambda seen: seen.total("high") < seen.healthy("high"), detected=lambda seen: seen.total("high") < 0,
+    )  # fmt: skip
+    cells = [one.inject().cell(number) for number in range(2)]
+    assert cells == [one.replay(number).cell for number in range(2)] and cells[0] == "wrong/no"

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from safety.faults import Fault, stuck
 from safety.inject import Campaign, CampaignError, Group, stuck_bits
 from safety.inject.classes import CELLS
 from safety.inject.engine import NEVER, NONE, Batch
@@ -140,3 +141,17 @@ def test_what_cannot_be_meant_is_refused(
 ) -> None:
     with pytest.raises(CampaignError, match=message):
         mission(short, chances, **{"runs": 10, **options})
+
+
+def test_a_mission_draws_from_all_faults(campaign: Callable[..., Campaign]) -> None:
+    few = Group("any", lambda pick: Fault(stuck(pick.randrange(2)), ["lit"]), drawn=2)
+    with pytest.raises(CampaignError, match="out of endlessly many"):
+        mission(campaign(faults=[few]), {"any": "1/2"}, runs=10)
+
+
+def test_faults_that_outlast_every_number_stay(campaign: Callable[..., Campaign]) -> None:
+    found = [
+        mission(campaign(faults=stuck_bits("*"), onsets=range(1), length=length), {"faults": "1/2"}, runs=100).tallies
+        for length in (None, 2**31, 10**20)
+    ]
+    assert found[0] == found[1] == found[2]

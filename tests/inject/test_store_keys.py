@@ -23,10 +23,16 @@ from dataclasses import dataclass
 from enum import Enum
 from fractions import Fraction
 from functools import partial
+from typing import NamedTuple
 from safety.inject import Campaign
 from safety.inject.listing import stuck_bits
 
 LIMIT = 8
+
+class Bounds(NamedTuple):
+    """Of the frames."""
+    low: int
+    high: int = 1000
 
 class Way(Enum):
     UP, DOWN = 1, 2
@@ -38,7 +44,7 @@ class Ride:
     stop: int = 60
 
     def __call__(self, frame):
-        return {"run": self.go and frame < self.stop}
+        return {"run": self.go and frame < self.stop and Bounds(frame).low < Bounds(frame).high}
 
     @property
     def most(self):
@@ -91,6 +97,7 @@ def test_whatever_could_change_an_answer_makes_another_key(key_of: Callable[...,
         "value of a module": key_of(("FAR = 1000", "FAR = 1001")),
         "property of an object": key_of(("LIMIT + 2", "LIMIT + 3")),
         "object": key_of(("Ride(True)", "Ride(True, 50)")),
+        "default of a named tuple": key_of(("high: int = 1000", "high: int = 999")),
         "enumeration": key_of(("enough(counts, Way.UP)", "enough(counts, Way.DOWN)")),
         "argument of a partial": key_of(("most=5", "most=6")),
         "detection": key_of(("lambda counts: counts.ever", "lambda counts: ~counts.ever")),

@@ -12,6 +12,7 @@ import functools
 import json
 import sys
 import types
+from collections import namedtuple
 from collections.abc import Iterator, Mapping, Set
 from enum import Enum
 from pathlib import Path
@@ -199,9 +200,12 @@ def _bare(value: Any) -> Any:
     return value.func if isinstance(value, functools.cached_property) else value
 
 
+_NAMED_FIELD = type(vars(namedtuple("_", "field"))["field"])  # of a named tuple, whose `_fields` say the same
+
+
 def _is_machinery(name: str, value: Any) -> bool:
     return (name.startswith("__") and not isinstance(value, types.FunctionType)) or isinstance(
-        value, types.GetSetDescriptorType | types.MemberDescriptorType
+        value, types.GetSetDescriptorType | types.MemberDescriptorType | _NAMED_FIELD
     )
 
 
