@@ -19,14 +19,10 @@ from safety.inject.masks import Mask
 from safety.inject.native import NativeEngine, masking, program, sweep
 from safety.inject.native.driver import Driver
 from safety.inject.native.kernel import UNUSED, Kernel
-from safety.inject.native.planes import Planes
 from safety.inject.native.program import Program
 from safety.inject.native.routine import Routine
 from safety.system import System
-from safety.terms import ternary
-from safety.terms.column_bits import size_of
 from safety.terms.graph import BIT
-from safety.terms.llvm import host
 from tests.inject.native_systems import differences, random_batch, random_task
 
 
@@ -374,51 +370,16 @@ def a_mask_blocks_what_should_pass(patch: pytest.MonkeyPatch) -> None:
     patch.setattr(Program, "_passing", property(wrong))
 
 
-# --- slices of bits --------------------------------------------------------------------------------------------------
-
-OF_WORDS = {name for name in MISTAKES if "register" in name or name.startswith("equal digests")}
-OF_SLICES: dict[str, Plant] = {
-    "masks are not looked at": lambda patch: patch.setattr(Planes, "_masked", lambda self, k, point, healthy: healthy),
-    "lanes are not taken": lambda patch: patch.setattr(Planes, "take_lanes", lambda *args: None),
-    "lanes are not given": lambda patch: patch.setattr(Planes, "give_lanes", lambda *args: None),
-    "a square is not turned": lambda patch: patch.setattr(
-        Planes, "take_lanes", lambda self, k, state, records: self.give_lanes(k, records, state, "")
-    ),
-    "half of the planes are restored": lambda patch: patch.setattr(Planes, "_planes_used", property(half)),
-    "every bit of an input is its lowest": lambda patch: patch.setattr(
-        Planes, "_spread_bit", lambda self, k, term, i, right=Planes._spread_bit: right(self, k, term, 0)
-    ),
-    "bits lie the other way round": lambda patch: patch.setattr(
-        Planes, "_place",
-        lambda self, s, i, right=Planes._place: right(self, s, size_of(s.var.sort) - 1 - i),
-    ),
-    "inputs of a function change places": lambda patch: patch.setattr(ternary, "COLUMNS", (0xCC, 0xF0, 0xAA)),
-    "a gate is another": lambda patch: patch.setitem(ternary.GATES, "or", lambda x, y: x ^ y),
-}  # fmt: skip
+@pytest.mark.parametrize("name", MISTAKES)
+def test_a_mistake_is_found(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    expect_found(MISTAKES[name], "words", monkeypatch)
 
 
-def half(self: Planes) -> int:
-    return sum(size_of(s.var.sort) for s in self.registers) // 2
-
-
-EACH = [(MISTAKES, name, "words") for name in MISTAKES]
-EACH += [(MISTAKES, name, "sliced") for name in MISTAKES if name not in OF_WORDS]
-EACH += [(OF_SLICES, name, "sliced") for name in OF_SLICES]
-
-
-@pytest.mark.parametrize(("plants", "name", "form"), EACH, ids=[f"{name}, {form}" for _, name, form in EACH])
-def test_a_mistake_is_found(plants: dict[str, Plant], name: str, form: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    if name in ("inputs of a function change places", "a gate is another"):
-        ternary_or_skip()
+def expect_found(plant: Plant, form: str, monkeypatch: pytest.MonkeyPatch) -> None:
     for number in SAMPLES:
         sample(number)
-    plants[name](monkeypatch)
+    plant(monkeypatch)
     assert any(found(form))
-
-
-def ternary_or_skip() -> None:
-    if not host().in_slices().ternary:
-        pytest.skip("this processor has no functions of three operands")
 
 
 @pytest.mark.parametrize("form", FORMS)

@@ -339,7 +339,10 @@ class Driver:
 
 
 def recorder(kernel: Kernel) -> Routine:
-    """`golden(rows, total, state, other, seen, taps)`: the fault-free run, a row a step, from the state in the first lane."""
+    """`golden(rows, total, state, other, seen, taps)`: the fault-free run, a row a step.
+
+    It goes on from the state in the first lane, under `taps` without faults.
+    """
     k = Routine(
         kernel.target, "golden", ["ptr %rows", "i64 %total", "ptr %state", "ptr %other", "ptr %seen", "ptr %taps"]
     )
