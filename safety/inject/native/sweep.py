@@ -18,8 +18,8 @@ if TYPE_CHECKING:
 
     Array = npt.NDArray[Any]
 
-NEW_RUNS = 2**13  # that begin in a stretch, at least, about
-MOST = 32  # stretches
+NEW_RUNS = 2**12  # that begin in a stretch, at least, about
+MOST = 64  # stretches
 SHORTEST = 32  # steps of a stretch
 WORTH_WHILE = 0.2  # runs that are one with another, per new one that is not over; with fewer the rest is one stretch
 
@@ -43,9 +43,8 @@ def run(program: Program, batch: Batch, *, prune: bool = True, length: int | Non
     first, end = np.where(none, NEVER, batch.first), np.where(none, NEVER, batch.end)
     stays = ((end == NEVER) & ~none).any(axis=0)
     begins = first.min(axis=0)
-    order = np.argsort(stays.astype(np.int64) << 62 | begins.astype(np.int64) << 31 | batch.atoms[0] + 1)
-    if not prune:  # few points in a group
-        order = np.lexsort([begins, batch.atoms[0]])
+    in_time = stays.astype(np.int64) << 62 | begins.astype(np.int64) << 31 | batch.atoms[0] + 1
+    order = np.argsort(in_time, kind="stable") if prune else np.lexsort([begins, batch.atoms[0]])  # few points a group
     ordered = Batch(*(np.ascontiguousarray(a[:, order]) for a in (batch.atoms, first, end)))
     passing = int(np.count_nonzero(~stays))
     total = task.timing.frames * task.timing.steps
