@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
     Array = npt.NDArray[Any]
 
+TILE = 16  # atoms
 NEW_RUNS = 2**12  # that begin in a stretch, at least, about
 MOST = 64  # stretches
 SHORTEST = 32  # steps of a stretch
@@ -43,8 +44,12 @@ def run(program: Program, batch: Batch, *, prune: bool = True, length: int | Non
     first, end = np.where(none, NEVER, batch.first), np.where(none, NEVER, batch.end)
     stays = ((end == NEVER) & ~none).any(axis=0)
     begins = first.min(axis=0)
-    in_time = stays.astype(np.int64) << 62 | begins.astype(np.int64) << 31 | batch.atoms[0] + 1
-    order = np.argsort(in_time, kind="stable") if prune else np.lexsort([begins, batch.atoms[0]])  # few points a group
+    tiles = [row // TILE for row in batch.atoms]  # so that a group has few points
+    if prune:
+        in_time = stays.astype(np.int64) << 62 | begins.astype(np.int64) << 31 | tiles[0] + 1
+        order = np.argsort(in_time, kind="stable") if len(tiles) == 1 else np.lexsort([*tiles[::-1], begins, stays])
+    else:
+        order = np.lexsort([begins, batch.atoms[0]])
     ordered = Batch(*(np.ascontiguousarray(a[:, order]) for a in (batch.atoms, first, end)))
     passing = int(np.count_nonzero(~stays))
     total = task.timing.frames * task.timing.steps
