@@ -7,7 +7,7 @@ definition of each effect; a kind with memory, free choices or arithmetic has no
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Container, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from safety.faults import Fault, Kind, Seat, placed
@@ -108,12 +108,12 @@ def masked(system: System, points: Iterable[str]) -> Masked:
     return Masked(system.mapped(lambda roots: rewrite(roots, rule)), found)
 
 
-def without_points(roots: Sequence[Term]) -> list[Term]:
-    """The terms with each point replaced by what is there, so that constants fold through it."""
+def without_points(roots: Sequence[Term], but: Container[str] = ()) -> list[Term]:
+    """The terms with each point, `but` those of some names, replaced by what is there: constants fold through it."""
 
     def rule(old: Term, args: tuple[Term, ...]) -> Term:
         if old.op == "point":
-            return args[0]
+            return node("point", args, old.attr, old.sort) if old.attr in but else args[0]
         return build(old.op, args, old.attr, old.sort) if old.args else old
 
     return rewrite(roots, rule)

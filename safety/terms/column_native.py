@@ -21,6 +21,7 @@ class Code(Protocol):
 
     lanes: int
     packed: bool
+    sliced: bool
 
     def op(self, text: str) -> str:
         """Write an instruction; the name of its result."""
@@ -69,11 +70,15 @@ def lane_vector(k: Code, t: Any) -> str:
 
 def bit_type(k: Code) -> str:
     """The type of a bit."""
+    if k.sliced:
+        return f"<{k.lanes // 64} x i64>"
     return f"i{k.lanes}" if k.packed else vector(k, 1)
 
 
 def truth(k: Code, value: bool) -> str:
     """A constant bit."""
+    if k.sliced:
+        return splat(64, -int(value))
     return str(-int(value)) if k.packed else splat(1, int(value))
 
 
@@ -159,7 +164,7 @@ def native_order(unsigned: str, negative: str) -> Native:
 def native_select(k: Code, t: Any, c: str, x: str, y: str) -> str:
     """A choice in each lane."""
     kind = lane_vector(k, t)
-    if t.sort == BIT and k.packed:
+    if t.sort == BIT and (k.packed or k.sliced):
         then, otherwise = k.op(f"and {kind} {c}, {x}"), k.op(f"and {kind} {native_not(k, t, c)}, {y}")
         return k.op(f"or {kind} {then}, {otherwise}")
     return k.op(f"select {vector(k, 1)} {mask_of(k, c)}, {kind} {x}, {kind} {y}")

@@ -18,19 +18,31 @@ from typing import Any
 
 DIGEST = 32  # bytes of a SHA-256
 MOST_KEPT = 256  # entries
+READY = b"ready"  # an attribute of functions that passes cannot make simpler
 
 
 @dataclass(frozen=True)
 class Target:
     """A processor as LLVM names it, its features as `+avx2,-...`, how many lanes run side by side.
 
-    `packed`: a bit of all lanes is one whole number, as mask registers have it; else it is a vector.
+    `packed`: a bit of all lanes is one whole number, as mask registers have it; else it is a vector.  `sliced`: there
+    are only bits, each of all lanes a vector of 64-bit words.
     """
 
     cpu: str
     features: str
     lanes: int
     packed: bool
+    sliced: bool = False
+
+    @property
+    def ternary(self) -> bool:
+        """Whether any function of three bits is one instruction."""
+        return self.sliced and self.lanes == 512
+
+    def in_slices(self) -> Target:
+        """The same processor with a lane for each bit of its vectors."""
+        return replace(self, lanes=8 * self.lanes, packed=False, sliced=True)
 
 
 AVX512 = Target("x86-64-v4", "", 64, True)
@@ -106,7 +118,7 @@ def _object(machine: Any, text: str) -> bytes:
     passes.add_new_gvn_pass()
     passes.add_simplify_cfg_pass()
     for function in module.functions:
-        if not function.is_declaration:
+        if not function.is_declaration and READY not in b"".join(function.attributes):
             passes.run(function, builder)
     code: bytes = machine.emit_object(module)
     return code

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
@@ -15,7 +16,8 @@ class Writer:
     """LLVM text of a function's body, instruction by instruction; `names` says how each term written is called."""
 
     def __init__(self, target: Target) -> None:
-        self.lanes, self.packed = target.lanes, target.packed
+        self.lanes, self.packed, self.sliced = target.lanes, target.packed, target.sliced
+        self.ternary = target.ternary
         self.lines: list[str] = []
         self.names: dict[int, str] = {}
         self.intrinsics: set[str] = set()
@@ -35,7 +37,7 @@ class Writer:
     def call(self, intrinsic: str, kind: str, *args: str) -> str:
         """Write a call of an intrinsic whose arguments and result are of one type; the name of its result."""
         full = f"@llvm.{intrinsic}.{kind.strip('<>').replace(' x ', '')}"
-        full = full.replace(f".{self.lanes}i", f".v{self.lanes}i")
+        full = re.sub(r"\.(\d+i\d+)$", r".v\1", full)
         self.intrinsics.add(f"declare {kind} {full}({', '.join([kind] * len(args))})")
         return self.op(f"call {kind} {full}({', '.join(f'{kind} {a}' for a in args)})")
 
@@ -63,7 +65,7 @@ class Writer:
         )
 
 
-ATTRIBUTES = 'nounwind "prefer-vector-width"="512" "min-legal-vector-width"="512"'
+ATTRIBUTES = 'nounwind "prefer-vector-width"="512" "min-legal-vector-width"="512" alignstack(64)'
 
 
 def native_source(inputs: Sequence[Term], outputs: Sequence[Term], target: Target) -> str:

@@ -8,6 +8,7 @@
 | integer | solver term: Bool, Int, Real  | function of the solver's interface, the term and the solver terms    |
 | vector  | solver term: Bool, bit-vector | the same; a real has no such reading (`TermError`)                   |
 | native  | LLVM vector, a lane each      | function of the code written, the term and the argument names        |
+| bits    | a bit term for each bit       | function of the term and the bits of the arguments                   |
 
 The solver's interface is that of z3, or cvc5 under the same names: one text serves both.  The tests of the terms prove
 the columns equal, and show for every entry that a wrong one is found.
@@ -20,6 +21,27 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any, NoReturn
 
+from safety.terms.column_bits import (
+    Entry,
+    bits_add,
+    bits_bit,
+    bits_cast,
+    bits_clip,
+    bits_concat,
+    bits_const,
+    bits_div,
+    bits_eq,
+    bits_gate,
+    bits_implies,
+    bits_mod,
+    bits_mul,
+    bits_not,
+    bits_order,
+    bits_same,
+    bits_select,
+    bits_slice,
+    bits_sub,
+)
 from safety.terms.column_native import (
     Native,
     native_arithmetic,
@@ -79,6 +101,7 @@ from safety.terms.column_texts import (
     python_concat,
     python_slice,
 )
+from safety.terms.gates import and_, or_, xor
 from safety.terms.graph import Value
 
 __all__ = ["OPERATIONS", "Operation", "is_object", "literal", "resize", "vector_bits"]
@@ -94,6 +117,7 @@ class Operation:
     integer: Solver
     vector: Solver
     native: Native
+    bits: Entry
 
 
 def _leaf(*_: Any) -> NoReturn:
@@ -108,8 +132,9 @@ OPERATIONS: dict[str, Operation] = {
         integer=integer_const,
         vector=vector_const,
         native=native_const,
+        bits=bits_const,
     ),
-    "var": Operation(direct=_leaf, python=_leaf, lanes=_leaf, integer=_leaf, vector=_leaf, native=_leaf),
+    "var": Operation(direct=_leaf, python=_leaf, lanes=_leaf, integer=_leaf, vector=_leaf, native=_leaf, bits=_leaf),
     "point": Operation(
         direct=lambda t, x: x,
         python=form("{0}"),
@@ -117,6 +142,7 @@ OPERATIONS: dict[str, Operation] = {
         integer=either(lambda x: x),
         vector=either(lambda x: x),
         native=native_same,
+        bits=bits_same,
     ),
     # bits
     "not": Operation(
@@ -126,6 +152,7 @@ OPERATIONS: dict[str, Operation] = {
         integer=named("Not"),
         vector=named("Not"),
         native=native_not,
+        bits=bits_not,
     ),
     "and": Operation(
         direct=lambda t, x, y: x and y,
@@ -134,6 +161,7 @@ OPERATIONS: dict[str, Operation] = {
         integer=named("And"),
         vector=named("And"),
         native=native_gate("and"),
+        bits=bits_gate(and_),
     ),
     "or": Operation(
         direct=lambda t, x, y: x or y,
@@ -142,6 +170,7 @@ OPERATIONS: dict[str, Operation] = {
         integer=named("Or"),
         vector=named("Or"),
         native=native_gate("or"),
+        bits=bits_gate(or_),
     ),
     "xor": Operation(
         direct=lambda t, x, y: x != y,
@@ -150,6 +179,7 @@ OPERATIONS: dict[str, Operation] = {
         integer=named("Xor"),
         vector=named("Xor"),
         native=native_gate("xor"),
+        bits=bits_gate(xor),
     ),
     "implies": Operation(
         direct=lambda t, x, y: not x or y,
@@ -158,6 +188,7 @@ OPERATIONS: dict[str, Operation] = {
         integer=named("Implies"),
         vector=named("Implies"),
         native=native_implies,
+        bits=bits_implies,
     ),
     # numbers
     "add": Operation(
@@ -167,6 +198,7 @@ OPERATIONS: dict[str, Operation] = {
         integer=either(lambda x, y: x + y),
         vector=vector_arithmetic(lambda x, y: x + y),
         native=native_arithmetic("add"),
+        bits=bits_add,
     ),
     "sub": Operation(
         direct=lambda t, x, y: x - y,
@@ -175,6 +207,7 @@ OPERATIONS: dict[str, Operation] = {
         integer=either(lambda x, y: x - y),
         vector=vector_arithmetic(lambda x, y: x - y),
         native=native_arithmetic("sub"),
+        bits=bits_sub,
     ),
     "mul": Operation(
         direct=lambda t, x, y: x * y,
@@ -183,6 +216,7 @@ OPERATIONS: dict[str, Operation] = {
         integer=either(lambda x, y: x * y),
         vector=vector_arithmetic(lambda x, y: x * y),
         native=native_arithmetic("mul"),
+        bits=bits_mul,
     ),
     "eq": Operation(
         direct=lambda t, x, y: x == y,
@@ -191,6 +225,7 @@ OPERATIONS: dict[str, Operation] = {
         integer=either(lambda x, y: x == y),
         vector=vector_eq,
         native=native_order("eq", "eq"),
+        bits=bits_eq,
     ),
     "lt": Operation(
         direct=lambda t, x, y: x < y,
@@ -199,6 +234,7 @@ OPERATIONS: dict[str, Operation] = {
         integer=either(lambda x, y: x < y),
         vector=vector_order("ULT", lambda x, y: x < y),
         native=native_order("ult", "slt"),
+        bits=bits_order(equal=False),
     ),
     "le": Operation(
         direct=lambda t, x, y: x <= y,
@@ -207,6 +243,7 @@ OPERATIONS: dict[str, Operation] = {
         integer=either(lambda x, y: x <= y),
         vector=vector_order("ULE", lambda x, y: x <= y),
         native=native_order("ule", "sle"),
+        bits=bits_order(equal=True),
     ),
     "select": Operation(
         direct=lambda t, c, x, y: x if c else y,
@@ -215,6 +252,7 @@ OPERATIONS: dict[str, Operation] = {
         integer=named("If"),
         vector=vector_select,
         native=native_select,
+        bits=bits_select,
     ),
     "cast": Operation(
         direct=lambda t, x: Fraction(x) if t.sort.kind == "real" else x,
@@ -223,6 +261,7 @@ OPERATIONS: dict[str, Operation] = {
         integer=integer_cast,
         vector=vector_cast,
         native=native_cast,
+        bits=bits_cast,
     ),
     "clip": Operation(
         direct=lambda t, x: min(max(x, t.sort.bounds[0]), t.sort.bounds[1]),
@@ -231,6 +270,7 @@ OPERATIONS: dict[str, Operation] = {
         integer=integer_clip,
         vector=vector_clip,
         native=native_clip,
+        bits=bits_clip,
     ),
     # words
     "slice": Operation(
@@ -240,6 +280,7 @@ OPERATIONS: dict[str, Operation] = {
         integer=integer_slice,
         vector=vector_slice,
         native=native_slice,
+        bits=bits_slice,
     ),
     "bit": Operation(
         direct=lambda t, x: (x >> t.attr) % 2 == 1,
@@ -248,6 +289,7 @@ OPERATIONS: dict[str, Operation] = {
         integer=integer_bit,
         vector=vector_bit,
         native=native_bit,
+        bits=bits_bit,
     ),
     "concat": Operation(
         direct=lambda t, x, y: x << t.args[1].sort.width | y,
@@ -256,6 +298,7 @@ OPERATIONS: dict[str, Operation] = {
         integer=integer_concat,
         vector=named("Concat"),
         native=native_concat,
+        bits=bits_concat,
     ),
     "div": Operation(
         direct=lambda t, x: x // t.attr,
@@ -264,6 +307,7 @@ OPERATIONS: dict[str, Operation] = {
         integer=lambda k, t, x: x / t.attr,
         vector=vector_divide("UDiv"),
         native=native_div,
+        bits=bits_div,
     ),
     "mod": Operation(
         direct=lambda t, x: x % t.attr,
@@ -272,6 +316,7 @@ OPERATIONS: dict[str, Operation] = {
         integer=lambda k, t, x: x % t.attr,
         vector=vector_divide("URem"),
         native=native_mod,
+        bits=bits_mod,
     ),
     "band": Operation(
         direct=lambda t, x, y: x & y,
@@ -280,6 +325,7 @@ OPERATIONS: dict[str, Operation] = {
         integer=integer_bitwise("And"),
         vector=either(lambda x, y: x & y),
         native=native_gate("and"),
+        bits=bits_gate(and_),
     ),
     "bor": Operation(
         direct=lambda t, x, y: x | y,
@@ -288,6 +334,7 @@ OPERATIONS: dict[str, Operation] = {
         integer=integer_bitwise("Or"),
         vector=either(lambda x, y: x | y),
         native=native_gate("or"),
+        bits=bits_gate(or_),
     ),
     "bxor": Operation(
         direct=lambda t, x, y: x ^ y,
@@ -296,5 +343,6 @@ OPERATIONS: dict[str, Operation] = {
         integer=integer_bitwise("Xor"),
         vector=either(lambda x, y: x ^ y),
         native=native_gate("xor"),
+        bits=bits_gate(xor),
     ),
 }

@@ -169,12 +169,13 @@ def limit(native: Contestant) -> None:
     """How many vector instructions of a step are done in a second, against the most additions of vectors there are."""
     if not (shutil.which("objdump") and isinstance(native.engine, NativeEngine)):
         return
-    target, text = native.engine.target, source(native.engine._masked.kernel)
+    target, text = native.engine._masked.kernel.target, source(native.engine._masked.kernel)
+    width = native.engine.target.lanes
     computing, moving = vector_instructions(_object(_machine(target), text), "faulty")
-    most = most_adds("clang++" if shutil.which("clang++") else "g++", target.lanes)
+    most = most_adds("clang++" if shutil.which("clang++") else "g++", width)
     steps = -(-native.batch.runs // target.lanes) * FRAMES / statistics.median(native.seconds)
     print(
-        f"\nvector limit: {most / 1e9:.1f} G additions of {target.lanes} bytes a second; a step of {target.lanes} runs "
+        f"\nvector limit: {most / 1e9:.1f} G additions of {width} bytes a second; a step of {target.lanes} runs "
         f"is {computing} vector instructions and {moving} moves, {steps / 1e6:.1f} M steps a second: "
         f"{computing * steps / most:.2f} of the limit ({(computing + moving) * steps / most:.2f} with the moves)"
     )

@@ -17,11 +17,13 @@ from safety.inject.native import NativeEngine, engine, sweep
 from safety.system import ModelError
 from safety.terms import TermError
 from safety.terms.graph import BIT, REAL, uint, variable
+from safety.terms.native_bits import slices_pay
 from safety.terms.values import bit
 from tests.inject.native_systems import apart_from_python, differences, random_batch, random_task
 from tests.terms.agreement import targets
 
 TARGETS = targets()
+FORMS = ("words", "sliced")
 RUNS = 70
 
 
@@ -41,21 +43,23 @@ EACH = [(seed, processor) for seed in range(60) for processor in TARGETS]
 FEW = {(seed, list(TARGETS)[seed % len(TARGETS)]) for seed in range(3)}
 
 
+@pytest.mark.parametrize("form", FORMS)
 @pytest.mark.parametrize("processor", TARGETS)
-def test_outcome_of_masks_is_that_of_the_python_run(processor: str) -> None:
-    compare(random_task(8, masks_only=True), 8, processor)
+def test_outcome_of_masks_is_that_of_the_python_run(processor: str, form: str) -> None:
+    compare(random_task(8, masks_only=True), 8, processor, form)
 
 
+@pytest.mark.parametrize("form", FORMS)
 @pytest.mark.parametrize(
     ("seed", "processor"), [pytest.param(*one, marks=[] if one in FEW else pytest.mark.slow) for one in EACH]
 )
-def test_outcome_of_all_kinds_is_that_of_the_python_run(seed: int, processor: str) -> None:
-    compare(random_task(seed, Timing(3, 24, 8, 1 + (seed % 4 == 1)), atoms=10), seed, processor)
+def test_outcome_of_all_kinds_is_that_of_the_python_run(seed: int, processor: str, form: str) -> None:
+    compare(random_task(seed, Timing(3, 24, 8, 1 + (seed % 4 == 1)), atoms=10), seed, processor, form)
 
 
-def compare(task: Task, seed: int, processor: str) -> None:
+def compare(task: Task, seed: int, processor: str, form: str) -> None:
     batch = random_batch(task, seed, RUNS)
-    found = NativeEngine(task, target=TARGETS[processor]).run(batch)
+    found = NativeEngine(task, target=TARGETS[processor], form=form).run(batch)
     assert apart_from_python(task, batch, found, range(0, RUNS, 2)) == []
     try:
         lanes = LaneEngine(task).run(batch)
@@ -65,15 +69,29 @@ def compare(task: Task, seed: int, processor: str) -> None:
         assert differences(found, lanes) == []
 
 
+@pytest.mark.parametrize("form", FORMS)
 @pytest.mark.parametrize("seed", range(4))
-def test_what_is_left_out_changes_nothing(seed: int, short_stretches: None) -> None:
+def test_what_is_left_out_changes_nothing(seed: int, form: str, short_stretches: None) -> None:
     masks_only = seed % 2 == 0
     task = random_task(seed, Timing(5, 40, 10, 1), atoms=20 if masks_only else 6, masks_only=masks_only)
-    batch = random_batch(task, seed, 500)
+    batch = random_batch(task, seed, 500 if form == "words" else 1200)
     batch.atoms[:, ::50] = NONE
     batch.first[:, 1::50] = NEVER - 1
-    whole = NativeEngine(task, prune=False).run(batch)
-    assert differences(NativeEngine(task).run(batch), whole) == []
+    whole = NativeEngine(task, prune=False, form="words").run(batch)
+    assert differences(NativeEngine(task, form=form).run(batch), whole) == []
+    if masks_only:
+        assert differences(NativeEngine(task, form=form, prune=False).run(batch), whole) == []
+
+
+def test_the_cheaper_form_is_chosen() -> None:
+    x: Any = variable("x", uint(16))
+    assert slices_pay([(x + 1).low(16) == 7], [x])
+    assert not slices_pay([(x * x).bit(3)], [x])
+
+
+def test_an_unknown_form_is_refused() -> None:
+    with pytest.raises(ModelError, match="form 'slice'; did you mean"):
+        NativeEngine(random_task(1, masks_only=True), form="slice")
 
 
 def test_faults_at_one_point_act_in_the_order_of_their_rows() -> None:
@@ -83,15 +101,17 @@ def test_faults_at_one_point_act_in_the_order_of_their_rows() -> None:
     task = replace(task, atoms=atoms)
     rows = np.array([[a, b] for a in range(3) for b in range(3)]).T.astype(np.int32)
     batch = Batch(rows, np.zeros_like(rows), np.full_like(rows, NEVER))
-    found = NativeEngine(task).run(batch)
-    assert apart_from_python(task, batch, found, range(9)) == []
+    for form in FORMS:
+        found = NativeEngine(task, form=form).run(batch)
+        assert apart_from_python(task, batch, found, range(9)) == []
 
 
+@pytest.mark.parametrize("form", FORMS)
 @pytest.mark.parametrize("prune", [True, False])
-def test_runs_without_faults_are_the_fault_free_run(prune: bool) -> None:
+def test_runs_without_faults_are_the_fault_free_run(prune: bool, form: str) -> None:
     task = random_task(2, masks_only=True)
     nothing = np.full((2, 3), NONE, np.int32)
-    native = NativeEngine(task, prune=prune)
+    native = NativeEngine(task, prune=prune, form=form)
     found, golden = native.run(Batch(nothing, nothing, nothing)), native.golden
     assert all(np.array_equal(found.counts[name], np.repeat(golden.counts[name], 3, axis=1)) for name in task.count)
     assert all(np.array_equal(found.first[name], np.repeat(golden.first[name], 3)) for name in task.watch)
@@ -202,7 +222,8 @@ def ts7_batch(task: Task, runs: int) -> Batch:
 def test_random_faults_of_ts7(runs: int, frames: int) -> None:
     task = ts7(frames, 16)
     batch = ts7_batch(task, runs)
-    found = NativeEngine(task).run(batch)
+    found = NativeEngine(task, form="sliced").run(batch)
     assert differences(found, LaneEngine(task).run(batch)) == []
+    assert differences(found, NativeEngine(task, form="words").run(batch)) == []
     assert differences(found, NativeEngine(task, prune=False).run(batch)) == []
     assert apart_from_python(task, batch, found, range(0, runs, runs // (20 if frames < 100 else 4))) == []

@@ -16,7 +16,7 @@ import pytest
 from safety.faults import Fault, byzantine
 from safety.inject.engine import NEVER, Batch, Outcome, Task, Timing
 from safety.inject.masks import Mask
-from safety.inject.native import NativeEngine, driver, program, sweep
+from safety.inject.native import NativeEngine, masking, program, sweep
 from safety.inject.native.driver import Driver
 from safety.inject.native.kernel import UNUSED, Kernel
 from safety.inject.native.program import Program
@@ -33,6 +33,7 @@ def short_stretches(monkeypatch: pytest.MonkeyPatch, tmp_path: Any) -> None:
         monkeypatch.setattr(sweep, name, number)
 
 
+FORMS = ("words", "sliced")
 SAMPLES = range(12)
 BUILT_IN = 0  # the sample whose faults no mask can carry
 
@@ -43,8 +44,8 @@ def sample(number: int) -> tuple[Task, Batch, Outcome]:
     task = random_task(number, Timing(4, 36, 9, 1), atoms=16, masks_only=True)
     if number == BUILT_IN:
         task = replace(task, atoms=tuple(chosen_by_step(task.system)))
-    batch = random_batch(task, number, 300)
-    return task, batch, NativeEngine(task, prune=False).run(batch)
+    batch = random_batch(task, number, 700)
+    return task, batch, NativeEngine(task, prune=False, form="words").run(batch)
 
 
 def chosen_by_step(system: System) -> Iterator[Fault]:
@@ -55,10 +56,10 @@ def chosen_by_step(system: System) -> Iterator[Fault]:
         yield Fault(byzantine(), [point], values={point: [bool(v) for v in values] if term.sort == BIT else values})
 
 
-def found() -> Iterator[bool]:
+def found(form: str) -> Iterator[bool]:
     for number in SAMPLES:
         task, batch, right = sample(number)
-        yield bool(differences(NativeEngine(task).run(batch), right))
+        yield bool(differences(NativeEngine(task, form=form).run(batch), right))
 
 
 Plant = Callable[[pytest.MonkeyPatch], None]
@@ -70,8 +71,9 @@ def mistake(plant: Plant) -> Plant:
     return plant
 
 
-def test_without_a_mistake_nothing_is_found() -> None:
-    assert not any(found())
+@pytest.mark.parametrize("form", FORMS)
+def test_without_a_mistake_nothing_is_found(form: str) -> None:
+    assert not any(found(form))
 
 
 # --- the time at which a fault acts ----------------------------------------------------------------------------------
@@ -97,7 +99,7 @@ def a_fault_ends_a_step_late(patch: pytest.MonkeyPatch) -> None:
 
 @mistake
 def a_fault_never_ends(patch: pytest.MonkeyPatch) -> None:
-    right = driver.masking
+    right = masking.masking
     patch.setattr(program, "masking", lambda kernel: [right(kernel)[0], idle(kernel, "pass", "i64 %lane")])
 
 
@@ -346,7 +348,7 @@ def a_switch_stays_off(patch: pytest.MonkeyPatch) -> None:
     right = Program._entry
     patch.setattr(
         Program, "_entry",
-        lambda self, keep, turn, mask: right(self, keep, turn, Mask(0, 0) if keep is UNUSED else mask),
+        lambda self, keep, turn, mask, at: right(self, keep, turn, Mask(0, 0) if keep is UNUSED else mask, at),
     )  # fmt: skip
 
 
@@ -370,12 +372,17 @@ def a_mask_blocks_what_should_pass(patch: pytest.MonkeyPatch) -> None:
 
 @pytest.mark.parametrize("name", MISTAKES)
 def test_a_mistake_is_found(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    expect_found(MISTAKES[name], "words", monkeypatch)
+
+
+def expect_found(plant: Plant, form: str, monkeypatch: pytest.MonkeyPatch) -> None:
     for number in SAMPLES:
         sample(number)
-    MISTAKES[name](monkeypatch)
-    assert any(found())
+    plant(monkeypatch)
+    assert any(found(form))
 
 
-def test_states_of_one_digest_stay_apart(monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("form", FORMS)
+def test_states_of_one_digest_stay_apart(form: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(sweep, "_digest", lambda words: np.zeros(len(words), np.uint64))
-    assert not any(found())
+    assert not any(found(form))

@@ -11,6 +11,8 @@ from safety.terms.direct import evaluate
 from safety.terms.graph import Sort, Term, postorder, variables
 from safety.terms.llvm import AVX2, AVX512, PLAIN, Target, host
 from safety.terms.native import compile_native
+from safety.terms.native_bits import compile_sliced
+from safety.terms.slicing import Slices
 from safety.terms.smt import SOLVERS, Encoder
 from safety.terms.table import vector_bits
 from safety.terms.texts import compile_lanes, compile_python, lane_type
@@ -85,6 +87,33 @@ def constant_of(k: Any, value: Any, sort: Sort, integers: bool) -> Any:
     return k.IntVal(value) if integers else k.BitVecVal(value % (1 << vector_bits(sort)), vector_bits(sort))
 
 
+def compiled(inputs: Sequence[Term], outputs: Sequence[Term], target: Target) -> Any:
+    """The native reading in the form of the target."""
+    return (compile_sliced if target.sliced else compile_native)(inputs, outputs, target)
+
+
+def bits(outputs: Sequence[Term], rows: Sequence[Row], expected: Values) -> Values:
+    """Each bit read directly, and numbers made of them; beyond 64 bits the reading refuses."""
+    found = [list(values) for values in expected]
+    for i, output in enumerate(outputs):
+        if not fits_64_bits(output):
+            continue
+        slices = Slices()
+        planes = slices.of(output)
+        for row, values in zip(found, rows, strict=True):
+            given = {
+                bit: bool(value >> k & 1)
+                for variable in variables([output])
+                for value in [int(values[variable])]
+                for k, bit in enumerate(slices.of(variable))
+            }
+            number = sum(value << k for k, value in enumerate(evaluate(planes, given)))
+            if output.sort.bounds[0] < 0 and number >> len(planes) - 1:
+                number -= 1 << len(planes)
+            row[i] = bool(number) if output.sort.kind == "bit" else number
+    return found
+
+
 def native(target: Target) -> Reading:
     def reading(outputs: Sequence[Term], rows: Sequence[Row], expected: Values) -> Values:
         """Values of the outputs that 64 bits hold; each other one has to be refused."""
@@ -93,13 +122,13 @@ def native(target: Target) -> Reading:
         for i, output in enumerate(outputs):
             if i not in fit:
                 try:
-                    compile_native(variables([output]), [output], target)
+                    compiled(variables([output]), [output], target)
                 except TermError:
                     continue
                 raise AssertionError(f"{output} is not refused")
         inputs = variables([outputs[i] for i in fit])
         arrays = [np.array([row[v] for row in rows], dtype=lane_type(v)) for v in inputs]
-        results = compile_native(inputs, [outputs[i] for i in fit], target)(*arrays) if fit else ()
+        results = compiled(inputs, [outputs[i] for i in fit], target)(*arrays) if fit else ()
         for i, result in zip(fit, results, strict=True):
             assert result.dtype == lane_type(outputs[i]), f"{outputs[i]} has lanes of {result.dtype}"
             values = result.tolist() if inputs else result.tolist() * len(rows)
@@ -126,10 +155,11 @@ def targets() -> dict[str, Target]:
 
 
 NATIVE: dict[str, Reading] = {"native": native(host())}
+BITS: dict[str, Reading] = {"bits": bits}
 TEXTS: dict[str, Reading] = {"python": python, "lanes": lanes}
 INTEGERS: dict[str, Reading] = {f"integer {name}": solver(name, True) for name in SOLVERS}
 VECTORS: dict[str, Reading] = {f"vector {name}": solver(name, False) for name in SOLVERS}
-READINGS = {**TEXTS, **NATIVE, **INTEGERS, **VECTORS}
+READINGS = {**TEXTS, **NATIVE, **BITS, **INTEGERS, **VECTORS}
 COLUMNS = {
     "direct": ("python",),
     "python": ("python",),
@@ -137,6 +167,7 @@ COLUMNS = {
     "integer": tuple(INTEGERS),
     "vector": tuple(VECTORS),
     "native": tuple(NATIVE),
+    "bits": tuple(BITS),
 }  # column of the table: the readings that show an error in it
 
 

@@ -12,11 +12,12 @@ from safety.terms.direct import evaluate
 from safety.terms.graph import REAL, uint, variable
 from safety.terms.native import compile_native
 from safety.terms.table import OPERATIONS
-from tests.terms.agreement import NATIVE, check, native, targets
+from tests.terms.agreement import NATIVE, check, compiled, native, targets
 from tests.terms.graphs import EDGES, edge_graphs, graphs
 from tests.terms.test_readings_agree import examples, on
 
-TARGETS = targets()
+WORDS = targets()
+TARGETS = WORDS | {f"{name} in slices": target.in_slices() for name, target in WORDS.items()}
 
 
 @pytest.fixture(params=TARGETS)
@@ -27,7 +28,7 @@ def processor(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -
     return str(request.param)
 
 
-@examples(60, 2_000)
+@examples(20, 2_000)
 def test_native_reading_agrees(processor: str, examples: int) -> None:
     on(examples, graphs(), lambda graph: check("native", *graph))
 
@@ -38,11 +39,11 @@ def test_native_reading_agrees_on_the_edges_of(processor: str, operation: str) -
         check("native", outputs, rows)
 
 
-@pytest.mark.parametrize("number", [1, 15, 16, 17, 64, 65, 200])
+@pytest.mark.parametrize("number", [1, 15, 16, 17, 64, 65, 200, 511, 512, 513, 1200])
 def test_any_number_of_lanes(processor: str, number: int) -> None:
     x: Any = variable("x", uint(8))
     values = np.arange(number) % 251
-    (found,) = compile_native([x], [(x + 7).low(8)], TARGETS[processor])(values)
+    (found,) = compiled([x], [(x + 7).low(8)], TARGETS[processor])(values)
     assert found.tolist() == ((values + 7) % 256).tolist()
 
 

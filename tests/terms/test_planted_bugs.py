@@ -182,6 +182,14 @@ def _without_highest(t: Any) -> Any:
 
 PARTICULAR = [
     # bit-vectors: sign and width
+    *(
+        Bug(row, "bits", "no zero-extension", altered(row, "bits", with_signed_words))
+        for row in ("add", "sub", "mul", "eq", "lt", "le", "cast", "clip")
+    ),
+    *(
+        Bug(row, "bits", "no sign-extension", altered(row, "bits", with_unsigned_integers))
+        for row in ("add", "sub", "mul", "eq", "lt", "le", "clip", "slice")
+    ),
     Bug("lt", "vector", "compares words signed", _compared(lambda k, x, y: x < y)),
     Bug("le", "vector", "compares words signed", _compared(lambda k, x, y: x <= y)),
     Bug("lt", "vector", "compares integers unsigned", _compared(lambda k, x, y: k.ULT(x, y))),

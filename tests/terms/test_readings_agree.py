@@ -11,7 +11,7 @@ from safety.terms.graph import BIT, Term, node, postorder, uint, variable, varia
 from safety.terms.smt import SOLVERS, Encoder
 from safety.terms.table import OPERATIONS
 from safety.terms.texts import source
-from tests.terms.agreement import INTEGERS, READINGS, TEXTS, VECTORS, check, has_reals
+from tests.terms.agreement import BITS, INTEGERS, READINGS, TEXTS, VECTORS, check, has_reals
 from tests.terms.graphs import EDGES, MAKERS, Graph, edge_graphs, edges, graphs
 
 CALM = settings(
@@ -33,7 +33,7 @@ def examples(few: int, many: int) -> pytest.MarkDecorator:
 
 
 @examples(300, 5_000)
-@pytest.mark.parametrize("reading", TEXTS)
+@pytest.mark.parametrize("reading", [*TEXTS, *BITS])
 def test_generated_readings_agree_on_words_and_integers(reading: str, examples: int) -> None:
     on(examples, graphs(), lambda graph: check(reading, *graph))
 

@@ -8,7 +8,8 @@ What is counted is the difference from the fault-free run, so a step left out co
 
 from __future__ import annotations
 
-from safety.inject.native.kernel import WORD, Kernel
+from safety.inject.native.kernel import Kernel
+from safety.inject.native.masking import ENTRY
 from safety.inject.native.routine import Routine
 
 NEVER = 2**31 - 1
@@ -18,7 +19,7 @@ MOST_COUNTED = 2**15 - 1  # in 16 bits
 # What the driver is given, each 8 bytes: an address, or a number.
 PARAMETERS = (
     "groups", "going_on", "start", "stop", "prune", "wide", "atoms", "first", "end", "column", "entry", "entries",
-    "rows", "before", "after", "apart", "state", "other", "seen", "taps", "passing", "sums", "ever",
+    "rows", "before", "after", "apart", "state", "other", "seen", "taps", "passing", "sums", "up", "ever",
     "counts", "came", "columns", "blocks",
 )  # fmt: skip
 NUMBERS = {"groups", "going_on", "start", "stop", "wide", "prune", "columns", "blocks"}
@@ -28,8 +29,6 @@ NUMBERS = {"groups", "going_on", "start", "stop", "wide", "prune", "columns", "b
 # where it has none; entry: where each atom's entries begin, and the last's end; passing: `taps` without faults;
 # counts: (wires, blocks, columns) of int32 and came: (watched, columns), both to be added to.
 
-ENTRY = ("keep", "turn", "keep_at", "turn_at", "size")  # an atom at a point, 8 bytes each; masks and where they go
-PACKED = 0  # a size: the lanes are the bits of one number
 SUM = 2  # bytes of a lane's count before it goes out
 
 
@@ -49,7 +48,7 @@ class Driver:
         self.before, self.after = k.local("ptr", self.given["state"]), k.local("ptr", self.given["other"])
         self.check, self.gap = k.local("i64", 0), k.local("i64", 1)
         self.block, self.counted = k.local("i64", 0), k.local("i64", 0)
-        self.touched = k.local("i1", 0)
+        self.golden = [k.local("i16", 0) for _ in kernel.counted]  # true frames without faults since counts went out
         self.missed = [k.local("i32", NEVER) for _ in range(kernel.watched)]
 
     def write(self) -> Routine:
@@ -97,7 +96,7 @@ class Driver:
         self.counted.set(0)
         for i, missed in enumerate(self.missed):
             missed.set(NEVER)
-            k.store("i64", 0, self.given["ever"], i * WORD)
+            k.store(k.number, "zeroinitializer" if k.sliced else 0, self.given["ever"], i * self.kernel.word)
         self.active.set(0)
         self.now.set(0)
         self.next.set(0)
@@ -113,14 +112,11 @@ class Driver:
         with k.when(going_on):
             self.now.set(self.given["start"])
             self.next.set(self.given["start"])
-            with k.each(0, k.lanes) as lane:
-                k.run("@take", f"ptr {self.before.value}", f"i64 {lane}", f"ptr {self._kept('before', lane)}")
+            self.kernel.take_lanes(k, self.before.value, self._kept("before"))
 
-    def _kept(self, name: str, lane: str) -> str:
-        """Where a lane of this group is kept."""
-        k = self.k
-        place = k.op(f"add i64 {self.base.value}, {lane}")
-        return k.at(self.given[name], k.op(f"mul i64 {place}, {self.kernel.kept.type.itemsize}"))
+    def _kept(self, name: str) -> str:
+        """Where the lanes of this group are kept, a record each."""
+        return self.k.at(self.given[name], self.k.op(f"mul i64 {self.base.value}, {8 * self.kernel.words}"))
 
     def _leap(self) -> None:
         """To the next event or the end; what the fault-free run shows first in between, each lane shows."""
@@ -147,12 +143,12 @@ class Driver:
 
     def _compare(self) -> None:
         """Leap when all lanes are as the fault-free run is; else wait twice as long."""
-        k, kind = self.k, f"i{self.k.lanes}"
+        k, kind = self.k, self.k.number
         apart = k.op(f"call {kind} @diverged(ptr {self.before.value}, ptr {self._row()})")
         self.check.set(k.op(f"add i64 {self.now.value}, {self.gap.value}"))
         longer = k.op(f"shl i64 {self.gap.value}, 1")
         self.gap.set(k.op(f"select i1 {k.is_('sgt', 'i64', longer, SELDOM)}, i64 {SELDOM}, i64 {longer}"))
-        with k.when(k.is_("eq", kind, apart, 0)):
+        with k.when(k.op(f"xor i1 {k.some(apart)}, true")):
             self._flush()
             self._leap()
             self._restore()
@@ -166,7 +162,7 @@ class Driver:
         with k.when(masked):
             k.run("@faulty", *seen, f"ptr {self.given['taps']}")
         with k.when(k.op(f"xor i1 {masked}, true")):
-            k.run("@healthy", *seen)
+            self.kernel.healthy_step(k, seen, self.given["taps"])
         before = self.before.value
         self.before.set(self.after.value)
         self.after.set(before)
@@ -181,17 +177,16 @@ class Driver:
 
     def _finish(self, group: str) -> None:
         """Masks away, counts and lanes out."""
-        k, kind = self.k, f"i{self.k.lanes}"
+        k, kind = self.k, self.k.number
         self._flush()
         with k.when(k.is_("ne", "ptr", self.given["after"], "null")):
             apart = k.op(f"call {kind} @diverged(ptr {self.before.value}, ptr {self._row()})")
-            number = apart if kind == "i64" else k.op(f"zext {kind} {apart} to i64")
-            k.store("i64", number, k.element(self.given["apart"], "i64", group), align=8)
-            with k.each_bit(apart) as lane:
-                k.run("@give", f"ptr {self.before.value}", f"i64 {lane}", f"ptr {self._kept('after', lane)}")
+            place = k.at(self.given["apart"], k.op(f"mul i64 {group}, {self.kernel.word}"))
+            k.store(kind, apart, place, align=8)
+            self.kernel.give_lanes(k, self.before.value, self._kept("after"), apart)
         with k.when(k.is_("ne", "i64", self.active.value, 0)):
             k.intrinsics.add("declare void @llvm.memcpy.p0.p0.i64(ptr, ptr, i64, i1)")
-            whole = f"ptr {self.given['taps']}, ptr {self.given['passing']}, i64 {self.kernel.taps.size}"
+            whole = f"ptr {self.given['taps']}, ptr {self.given['passing']}, i64 {self.kernel.taps_size}"
             k.lines.append(f"call void @llvm.memcpy.p0.p0.i64({whole}, i1 false)")
         for i, missed in enumerate(self.missed):
             with k.when(k.is_("ne", "i32", missed.value, NEVER)), k.each(0, k.lanes) as lane:
@@ -201,45 +196,74 @@ class Driver:
 
     def _tally(self, row: str) -> None:
         """At the end of a frame: where an observed wire is not as in the fault-free run, and where first true."""
-        k, kind = self.k, f"i{self.k.lanes}"
+        k, kind, kernel = self.k, self.k.number, self.kernel
         self.block.set(k.op(f"sext i32 {self._field(row, 'block')} to i64"))
-        for i in range(len(self.kernel.wires)):
-            seen = k.load(kind, self.given["seen"], i * WORD)
-            golden = k.op(f"trunc i8 {k.load('i8', row, self.kernel.row.offset(f'wire{i}'))} to i1")
-            if i in self.kernel.counted:
-                other = k.op(f"xor {kind} {seen}, {k.op(f'sext i1 {golden} to {kind}')}")
-                with k.when(k.is_("ne", kind, other, 0)):
-                    self._count(i, other, k.op(f"select i1 {golden}, i16 -1, i16 1"))
-            if i < self.kernel.watched:
-                ever = k.load(kind, self.given["ever"], i * WORD)
-                new = k.op(f"and {kind} {seen}, {k.op(f'xor {kind} {ever}, -1')}")
-                with k.when(k.is_("ne", kind, new, 0)):
-                    k.store(kind, k.op(f"or {kind} {ever}, {new}"), self.given["ever"], i * WORD)
+        for i in range(len(kernel.wires)):
+            seen = k.load(kind, self.given["seen"], i * kernel.word, align=8)
+            golden = k.op(f"trunc i8 {k.load('i8', row, kernel.row.offset(f'wire{i}'))} to i1")
+            if i in kernel.counted:
+                self.golden[kernel.counted.index(i)].add(k.op(f"zext i1 {golden} to i16"))
+                up = k.load(kind, self.given["up"], i * kernel.word, align=8)
+                changed = k.op(f"xor {kind} {seen}, {up}")
+                with k.when(k.some(changed)):
+                    k.store(kind, seen, self.given["up"], i * kernel.word, align=8)
+                    now = k.op(f"trunc i64 {self.counted.value} to i16")
+                    self._count(i, k.op(f"and {kind} {changed}, {seen}"), k.op(f"sub i16 0, {now}"))
+                    self._count(i, k.op(f"and {kind} {changed}, {up}"), now)
+            if i < kernel.watched:
+                ever = k.load(kind, self.given["ever"], i * kernel.word, align=8)
+                new = k.op(f"and {kind} {seen}, {k.inverted(ever)}")
+                with k.when(k.some(new)):
+                    k.store(kind, k.op(f"or {kind} {ever}, {new}"), self.given["ever"], i * kernel.word, align=8)
                     with k.each_bit(new) as lane:
                         self._came(i, lane, self._field(row, "frame"))
 
+    def _sums(self, wire: int, first: str) -> str:
+        """Where the counts of a word of lanes are."""
+        k = self.k
+        place = k.at(self.given["sums"], self.kernel.counted.index(wire) * SUM * k.lanes)
+        return k.element(place, "i16", first)
+
     def _count(self, wire: int, lanes: str, more: str) -> None:
-        """Add to the counts of some lanes."""
-        k, kind = self.k, f"<{self.k.lanes} x i16>"
-        place = self.kernel.counted.index(wire) * SUM * k.lanes
-        chosen = k.op(f"bitcast i{k.lanes} {lanes} to <{k.lanes} x i1>")
-        step = k.op(f"select <{k.lanes} x i1> {chosen}, {kind} {k.spread('i16', more)}, {kind} zeroinitializer")
-        k.store(kind, k.op(f"add {kind} {k.load(kind, self.given['sums'], place)}, {step}"), self.given["sums"], place)
+        """Add to the counts of some lanes: less by the frame where a wire rises, more by that where it falls."""
+        k = self.k
+        many = min(k.lanes, 64)
+        kind = f"<{many} x i16>"
+        each = k.spread_over(many, "i16", more)
+        with k.each_word(lanes) as (lane, word), k.when(k.is_("ne", k.word, word, 0)):
+            place = self._sums(wire, lane)
+            chosen = k.op(f"bitcast {k.word} {word} to <{many} x i1>")
+            step = k.op(f"select <{many} x i1> {chosen}, {kind} {each}, {kind} zeroinitializer")
+            k.store(kind, k.op(f"add {kind} {k.load(kind, place)}, {step}"), place)
 
     def _flush(self) -> None:
-        """The counts of this block go out, where there are any."""
-        k, kind, blocks, columns = self.k, f"<{self.k.lanes} x i16>", self.given["blocks"], self.given["columns"]
+        """The counts of this block go out, where they are not those of the fault-free run; none is up any more."""
+        k, blocks, columns = self.k, self.given["blocks"], self.given["columns"]
+        many = min(k.lanes, 64)
+        kind = f"<{many} x i16>"
+        frames = k.spread_over(many, "i16", k.op(f"trunc i64 {self.counted.value} to i16"))
         self.counted.set(0)
-        for position in range(len(self.kernel.counted)):
-            sums = k.at(self.given["sums"], position * SUM * k.lanes)
-            some = k.op(f"icmp ne {kind} {k.load(kind, sums)}, zeroinitializer")
-            with k.each_bit(k.op(f"bitcast <{k.lanes} x i1> {some} to i{k.lanes}")) as lane:
-                block = k.op(f"add i64 {k.op(f'mul i64 {blocks}, {position}')}, {self.block.value}")
-                index = k.op(f"add i64 {k.op(f'mul i64 {block}, {columns}')}, {self._column(lane)}")
-                place, own = k.element(self.given["counts"], "i32", index), k.element(sums, "i16", lane)
-                more = k.op(f"sext i16 {k.load('i16', own, align=2)} to i32")
-                k.store("i32", k.op(f"add i32 {k.load('i32', place, align=4)}, {more}"), place, align=4)
-                k.store("i16", 0, own, align=2)
+        for position, wire in enumerate(self.kernel.counted):
+            golden = k.spread_over(many, "i16", self.golden[position].value)
+            self.golden[position].set(0)
+            with k.each(0, k.lanes // many) as word:
+                first = k.op(f"mul i64 {word}, {many}")
+                place = k.element(k.at(self.given["up"], wire * self.kernel.word), k.word, word)
+                up = k.op(f"bitcast {k.word} {k.load(k.word, place)} to <{many} x i1>")
+                k.store(k.word, 0, place)
+                until = k.op(f"select <{many} x i1> {up}, {kind} {frames}, {kind} zeroinitializer")
+                sums = k.op(f"add {kind} {k.load(kind, self._sums(wire, first))}, {until}")
+                sums = k.op(f"sub {kind} {sums}, {golden}")
+                k.store(kind, sums, self._sums(wire, first))
+                some = k.op(f"icmp ne {kind} {sums}, zeroinitializer")
+                with k.each_of(k.op(f"bitcast <{many} x i1> {some} to {k.word}")) as place:
+                    lane = k.op(f"add i64 {first}, {place}")
+                    block = k.op(f"add i64 {k.op(f'mul i64 {blocks}, {position}')}, {self.block.value}")
+                    index = k.op(f"add i64 {k.op(f'mul i64 {block}, {columns}')}, {self._column(lane)}")
+                    place, own = k.element(self.given["counts"], "i32", index), self._sums(wire, lane)
+                    more = k.op(f"sext i16 {k.load('i16', own, align=2)} to i32")
+                    k.store("i32", k.op(f"add i32 {k.load('i32', place, align=4)}, {more}"), place, align=4)
+                    k.store("i16", 0, own, align=2)
 
     def _came(self, wire: int, lane: str, frame: str) -> None:
         """A watched wire is true at a frame's end: keep the first."""
@@ -259,25 +283,46 @@ class Driver:
     def _change(self) -> None:
         """The masks of the lanes that have an event at this step, and when the next event is."""
         k, now, wide = self.k, self.now, self.given["wide"]
-        self.next.set(NEVER)
-        self.active.set(0)
-        with k.each(0, k.lanes) as lane:
-            self.touched.set(0)
+        many = min(k.lanes, 64)
+        times, yes = f"<{many} x i32>", f"<{many} x i1>"
+        at = k.spread_over(many, "i32", k.op(f"trunc i64 {now.value} to i32"))
+        never = k.spread_over(many, "i32", str(NEVER))
+        following, acting = k.local(times, never), k.local(k.word, 0)
+        following.set(never)
+        acting.set(0)
+        with k.each(0, k.lanes // many) as word:
+            first = k.op(f"mul i64 {word}, {many}")
+            touched = k.local(k.word, 0)
+            touched.set(0)
             with k.each(0, wide) as place:
-                window = self._of_lane("first", place, lane), self._of_lane("end", place, lane)
-                for event in window:
-                    self.touched.set(k.op(f"or i1 {self.touched.value}, {k.is_('eq', 'i64', event, now.value)}"))
-                    later = k.is_("sgt", "i64", event, now.value)
-                    with k.when(k.op(f"and i1 {later}, {k.is_('slt', 'i64', event, self.next.value)}")):
-                        self.next.set(event)
-                self.active.add(k.op(f"zext i1 {self._acts(*window)} to i64"))
-            with k.when(self.touched.value):
+                begins, ends = (self._of_lanes(name, place, first, times) for name in ("first", "end"))
+                for event in (begins, ends):
+                    here = k.op(f"bitcast {yes} {k.op(f'icmp eq {times} {event}, {at}')} to {k.word}")
+                    touched.set(k.op(f"or {k.word} {touched.value}, {here}"))
+                    later = k.op(f"icmp sgt {times} {event}, {at}")
+                    event = k.op(f"select {yes} {later}, {times} {event}, {times} {never}")
+                    following.set(k.call("smin", times, following.value, event))
+                begun = k.op(f"icmp sle {times} {begins}, {at}")
+                acts = k.op(f"and {yes} {begun}, {k.op(f'icmp slt {times} {at}, {ends}')}")
+                acting.set(k.op(f"or {k.word} {acting.value}, {k.op(f'bitcast {yes} {acts} to {k.word}')}"))
+            with k.each_of(touched.value) as inside:
+                lane = k.op(f"add i64 {first}, {inside}")
                 with k.each(0, wide) as place:
                     begun = k.is_("sle", "i64", self._of_lane("first", place, lane), now.value)
                     self._masks(begun, place, lane, "@pass")
                 with k.each(0, wide) as place:
                     window = self._of_lane("first", place, lane), self._of_lane("end", place, lane)
                     self._masks(self._acts(*window), place, lane, "@mask")
+        self.next.set(k.op(f"sext i32 {k.least(many, following.value)} to i64"))
+        self.active.set(k.op(f"zext i1 {k.is_('ne', k.word, acting.value, 0)} to i64"))
+        with k.when(k.is_("eq", "i64", self.active.value, 0)):
+            self.kernel.clear(k, self.given["taps"])
+
+    def _of_lanes(self, name: str, place: str, first: str, times: str) -> str:
+        """A number of the fault of each of some lanes."""
+        k = self.k
+        index = k.op(f"add i64 {k.op(f'mul i64 {place}, {self.stride}')}, {self.base.value}")
+        return k.load(times, k.element(self.given[name], "i32", k.op(f"add i64 {index}, {first}")), align=4)
 
     def _acts(self, begins: str, ends: str) -> str:
         k, now = self.k, self.now.value
@@ -293,50 +338,24 @@ class Driver:
                 k.run(function, f"ptr {self.given['taps']}", f"ptr {entry}", f"i64 {lane}")
 
 
-def masking(kernel: Kernel) -> list[Routine]:
-    """`mask(taps, entry, lane)`: an atom's mask on what is there already; `pass(...)`: none any more."""
-    return [_masking(kernel, "mask"), _masking(kernel, "pass")]
-
-
-def _masking(kernel: Kernel, name: str) -> Routine:
-    k = Routine(kernel.target, name, ["ptr %taps", "ptr %entry", "i64 %lane"])
-    keep, turn, keep_at, turn_at, size = (k.load("i64", "%entry", 8 * i, align=8) for i in range(len(ENTRY)))
-    keep_place, turn_place = k.at("%taps", keep_at), k.at("%taps", turn_at)
-    sizes = [(b, f"i{8 * b}") for b in (1, 2, 4, 8)] + ([(PACKED, f"i{k.lanes}")] if kernel.target.packed else [])
-    for number, kind in sizes:
-        with k.when(k.is_("eq", "i64", size, number)):
-            k_, t_ = (x if kind == "i64" else k.op(f"trunc i64 {x} to {kind}") for x in (keep, turn))
-            if number == PACKED:
-                lane = "%lane" if kind == "i64" else k.op(f"trunc i64 %lane to {kind}")
-                own = k.op(f"shl {kind} 1, {lane}")
-                k_ = k.op(f"or {kind} {k.op(f'shl {kind} {k_}, {lane}')}, {k.op(f'xor {kind} {own}, -1')}")
-                t_ = k.op(f"shl {kind} {t_}, {lane}")
-                places = keep_place, turn_place
-            else:
-                own = "-1"
-                places = k.element(keep_place, kind, "%lane"), k.element(turn_place, kind, "%lane")
-            held, turned = (k.load(kind, place) for place in places)
-            if name == "pass":
-                held = k.op(f"or {kind} {held}, {own}")
-                turned = k.op(f"and {kind} {turned}, {k.op(f'xor {kind} {own}, -1')}")
-            else:
-                held = k.op(f"and {kind} {held}, {k_}")
-                turned = k.op(f"xor {kind} {k.op(f'and {kind} {turned}, {k_}')}, {t_}")
-            k.store(kind, held, places[0])
-            k.store(kind, turned, places[1])
-    return k
-
-
 def recorder(kernel: Kernel) -> Routine:
-    """`golden(rows, total, state, other, seen)`: the fault-free run, a row a step, from the state in the first lane."""
-    k = Routine(kernel.target, "golden", ["ptr %rows", "i64 %total", "ptr %state", "ptr %other", "ptr %seen"])
+    """`golden(rows, total, state, other, seen, taps)`: the fault-free run, a row a step.
+
+    It goes on from the state in the first lane, under `taps` without faults.
+    """
+    k = Routine(
+        kernel.target, "golden", ["ptr %rows", "i64 %total", "ptr %state", "ptr %other", "ptr %seen", "ptr %taps"]
+    )
     before, after = k.local("ptr", "%state"), k.local("ptr", "%other")
     with k.each(0, "%total") as step:
         row = k.at("%rows", k.op(f"mul i64 {step}, {kernel.row.type.itemsize}"))
         k.run("@record", f"ptr {before.value}", f"ptr {row}")
-        k.run("@healthy", f"ptr {before.value}", f"ptr {after.value}", f"ptr {row}", "ptr %seen")
+        given = [f"ptr {before.value}", f"ptr {after.value}", f"ptr {row}", "ptr %seen"]
+        kernel.healthy_step(k, given, "%taps")
         for i in range(len(kernel.wires)):
-            k.store("i8", k.op(f"and i8 {k.load('i8', '%seen', i * WORD)}, 1"), row, kernel.row.offset(f"wire{i}"))
+            k.store(
+                "i8", k.op(f"and i8 {k.load('i8', '%seen', i * kernel.word)}, 1"), row, kernel.row.offset(f"wire{i}")
+            )
         x = before.value
         before.set(after.value)
         after.set(x)

@@ -11,9 +11,10 @@ from safety.inject.engine import NEVER, NONE, Batch, Outcome, Task
 from safety.inject.masks import masks
 from safety.inject.native import sweep
 from safety.inject.native.excitation import Excitation, reduces
-from safety.inject.native.program import Program
+from safety.inject.native.program import AUTO, FORMS, Program
 from safety.inject.native.tapped import tapped
 from safety.inject.space import CampaignError
+from safety.system import ModelError, nearest
 from safety.terms.llvm import Target, host
 from safety.terms.texts import compile_lanes, lane_type
 
@@ -33,14 +34,17 @@ class NativeEngine:
     """Runs batches of a task on native code; see `safety.inject.engine`.
 
     `prune=False` runs every group from the first step to the last with faults, whatever may be left out; the outcome is
-    the same.  Raises `TermError` for a model that has reals or numbers beyond 64 bits, `CampaignError` for a fault that
-    does not fit its point, `ImportError` without LLVM.
+    the same.  `form`: lanes as "words", as bits ("sliced"), or for each program what is cheaper ("auto").  Raises
+    `TermError` for a model that has reals or numbers beyond 64 bits, `CampaignError` for a fault that does not fit its
+    point, `ModelError` for an unknown form, `ImportError` without LLVM.
     """
 
     name = "native"
 
-    def __init__(self, task: Task, *, prune: bool = True, target: Target | None = None) -> None:
-        self.task, self.prune, self.target = task, prune, target or host()
+    def __init__(self, task: Task, *, prune: bool = True, target: Target | None = None, form: str = AUTO) -> None:
+        if form not in FORMS:
+            raise ModelError(f"form {form!r}; {nearest(form, FORMS)}")
+        self.task, self.prune, self.target, self.form = task, prune, target or host(), form
         self._masks = [masks(task.system, atom) for atom in task.atoms]
         self._points = tuple(dict.fromkeys(point for found in self._masks for point in found or ()))
         self._excitations: dict[int, Excitation] = {}
@@ -51,6 +55,7 @@ class NativeEngine:
             [found or {} for found in self._masks],
             lambda: self._stimulus,
             self.target,
+            form=form,
         )
 
     @cached_property
@@ -111,7 +116,9 @@ class NativeEngine:
         first = int(batch.first[batch.atoms != NONE][0])
         if first not in self._excitations:
             masks = [found or {} for found in self._masks]
-            self._excitations[first] = Excitation(self.task, masks, first, lambda: self._stimulus, self.target)
+            self._excitations[first] = Excitation(
+                self.task, masks, first, lambda: self._stimulus, self.target, self.form
+            )
         atoms = self._excitations[first].reduced(batch.atoms).astype(np.int64) + 1
         key = sum(row * (len(self.task.atoms) + 1) ** i for i, row in enumerate(atoms))
         _, chosen, which = np.unique(key, return_index=True, return_inverse=True)
@@ -174,7 +181,8 @@ class NativeEngine:
             acts = [*(found or {} if carries else {} for found in self._masks), *range(len(slots))]
             if len(self._programs) >= MOST_PROGRAMS:
                 del self._programs[next(iter(self._programs))]
-            self._programs[slots, carries] = Program(self.task, system, acts, lambda: self._stimulus, self.target)
+            made = Program(self.task, system, acts, lambda: self._stimulus, self.target, form=self.form)
+            self._programs[slots, carries] = made
         return self._programs[slots, carries]
 
 

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, cast
 
 from safety.inject.engine import NEVER, NONE, Batch, Task
 from safety.inject.masks import Mask
-from safety.inject.native.program import Program
+from safety.inject.native.program import AUTO, Program
 from safety.inject.native.tapped import tapped
 from safety.system import State, System
 from safety.terms import UInt
@@ -48,6 +48,7 @@ class Excitation:
         first: int,
         stimulus: Callable[[], Mapping[str, Array]],
         target: Target,
+        form: str = AUTO,
     ) -> None:
         import numpy as np
 
@@ -55,7 +56,7 @@ class Excitation:
         self.points = tuple(dict.fromkeys(point for found in masks for point in found))
         names = [point + which for point in self.points for which in (ONES, ZEROS)]
         blind = replace(task, system=noting(task.system, self.points), count=(), watch=())
-        self.program = Program(blind, tapped(blind.system, self.points), masks, stimulus, target, recorded=names)
+        self.program = Program(blind, tapped(blind.system, self.points), masks, stimulus, target, names, form)
         none = len(masks)
         self._pair = np.full((none + 1, none + 1), -1)  # the row of a pair in the next; the last stands for unknown
         self._pairs_change = np.ones((1, none + 1), np.bool_)
@@ -74,12 +75,12 @@ class Excitation:
         total = len(self.program.rows) - 1
         kept = np.repeat(self._before[None], runs, axis=0)
         records = self.program.stretch(batch, self.first, total, kept=kept, keep=True).records
-        fields = np.ascontiguousarray(records).view(self.program.kernel.kept.type)[:, 0]
-        place = {str(s.path): f"v{i}" for i, s in enumerate(self.program.kernel.registers)}
+        kernel = self.program.kernel
+        place = {str(s.path): i for i, s in enumerate(kernel.registers)}
         found = np.zeros((runs, len(self.masks) + 1), np.bool_)
         for atom, masks in enumerate(self.masks):
             for point, mask in masks.items():
-                ones, zeros = (fields[place[point + which]] for which in (ONES, ZEROS))
+                ones, zeros = (kernel.from_records(records, place[point + which]) for which in (ONES, ZEROS))
                 full = int(self.program.task.system.points[point].sort.bounds[1])
                 low, high, turned = full & ~mask.keep & ~mask.turn, full & ~mask.keep & mask.turn, mask.keep & mask.turn
                 found[:, atom] |= ((ones & low) | (zeros & high)) != 0 if not turned else True
@@ -90,12 +91,7 @@ class Excitation:
     @cached_property
     def _before(self) -> Array:
         """The fault-free lane when the faults begin, nothing shown yet."""
-        kept = self.program.kept(self.first)
-        fields = kept.view(self.program.kernel.kept.type)
-        for i, s in enumerate(self.program.kernel.registers):
-            if s.path.endswith((ONES, ZEROS)):
-                fields[f"v{i}"] = 0
-        return kept
+        return self.program.kept(self.first, blank=lambda path: path.endswith((ONES, ZEROS)))
 
     @cached_property
     def _share(self) -> Array:

@@ -8,9 +8,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
+from typing import TYPE_CHECKING, Any
 
 from safety.inject.kernel import live_states
-from safety.inject.native.layout import Block, Row
+from safety.inject.native.layout import LINE, Block, Row
 from safety.inject.native.routine import Routine
 from safety.inject.native.tapped import Tapped
 from safety.system import State, System
@@ -18,8 +19,13 @@ from safety.terms.column_native import bit_type, lane_vector
 from safety.terms.graph import BIT, Term, variable, variables
 from safety.terms.llvm import Target
 from safety.terms.native import bytes_of
+from safety.terms.native_bits import slices_pay
 
-WORD = 8  # bytes of an observed wire of all lanes, as a whole number
+if TYPE_CHECKING:
+    import numpy.typing as npt
+
+    Array = npt.NDArray[Any]
+
 STEP = ("ptr noalias %before", "ptr noalias %after", "ptr noalias %row", "ptr noalias %seen")
 UNUSED = variable("unused", BIT)  # a place among the taps for what a switch has no use for
 
@@ -62,7 +68,39 @@ class Kernel:
     @cached_property
     def row(self) -> Row:
         """The fault-free run as this kernel reads it."""
-        return Row([*(s.var for s in self.registers), *self.inputs.values()], self.watched, len(self.wires))
+        return Row(
+            [*(s.var for s in self.registers), *self.inputs.values()],
+            self.watched,
+            len(self.wires),
+            self.recorded_words,
+        )
+
+    @property
+    def slices_pay(self) -> bool:
+        """Whether the gates of a step are cheaper for each lane than its instructions on words."""
+        following = [self.tapped.system.state[s.path].next for s in self.registers]
+        wires = [self.tapped.system.lookup(wire) for wire in self.wires]
+        return slices_pay([*following, *wires], [s.var for s in self.registers])
+
+    @property
+    def recorded_words(self) -> int:
+        """Words of a record in a row, where the functions here read and write one instead of the registers."""
+        return 0
+
+    @property
+    def word(self) -> int:
+        """Bytes of an observed wire of all lanes."""
+        return max(self.target.lanes // 8, 8)
+
+    @cached_property
+    def flags(self) -> Mapping[str, int]:
+        """Where, among the taps, it stands whether a point has a fault in some lane; the last is for no point."""
+        return {point: self.taps.size + i for i, point in enumerate([*self.tapped.masks, ""])}
+
+    @property
+    def taps_size(self) -> int:
+        """Bytes of the taps with the flags, in whole lines."""
+        return -(-(self.taps.size + len(self.flags)) // LINE) * LINE
 
     @cached_property
     def inputs(self) -> Mapping[str, Term]:
@@ -94,7 +132,7 @@ class Kernel:
             k.store_lanes(s.var, k.of(following), "%after", self.state.offsets[s.var.uid])
         for i, wire in enumerate(self.wires):
             k.write([system.lookup(wire)])
-            k.store(f"i{k.lanes}", k.as_number(k.of(system.lookup(wire))), "%seen", i * WORD)
+            k.store(f"i{k.lanes}", k.as_number(k.of(system.lookup(wire))), "%seen", i * self.word)
         return k
 
     def restore(self) -> Routine:
@@ -106,14 +144,14 @@ class Kernel:
 
     def diverged(self) -> Routine:
         """`diverged(state, row)`: the lanes that are not as the fault-free run is."""
-        k = Routine(self.target, "diverged", ["ptr noalias %state", "ptr noalias %row"], f"i{self.target.lanes}")
+        k = Routine(self.target, "diverged", ["ptr noalias %state", "ptr noalias %row"], Routine.number_of(self.target))
         apart: dict[str, str] = {}  # what differs, collected by type
         for s in self.registers:
             kind = lane_vector(k, s.var)
             now = k.load_lanes(s.var, "%state", self.state.offsets[s.var.uid])
             other = k.op(f"xor {kind} {now}, {self._golden(k, s)}")
             apart[kind] = k.op(f"or {kind} {apart[kind]}, {other}") if kind in apart else other
-        total, whole = "0", f"i{k.lanes}"
+        total, whole = "0", k.number
         for kind, other in apart.items():
             if kind == bit_type(k):
                 lanes = k.as_number(other)
@@ -126,10 +164,34 @@ class Kernel:
     def _golden(self, k: Routine, s: State) -> str:
         return k.load_spread(s.var, "%row", self.row.places[s.var.uid])
 
+    # --- the registers of one lane as a record, in words of 64 bits ---------------------------------------------------
+
     @cached_property
     def kept(self) -> Row:
-        """The registers of one lane as a record."""
+        """What stands where in a record."""
         return Row([s.var for s in self.registers], 0, 0)
+
+    @property
+    def words(self) -> int:
+        """Words of a record."""
+        return int(self.kept.type.itemsize) // 8
+
+    def to_record(self, values: Sequence[int]) -> Array:
+        """A record of values of the registers, in their order."""
+        import numpy as np
+
+        record = np.zeros(1, self.kept.type)
+        for i, (s, value) in enumerate(zip(self.registers, values, strict=True)):
+            bytes_ = s.var.sort == BIT and not self.target.packed
+            record[f"v{i}"] = value * (255 if bytes_ else 1)
+        return record.view(np.uint64)
+
+    def from_records(self, records: Array, register: int) -> Array:
+        """What a register, by its number, holds in each record."""
+        import numpy as np
+
+        held: Array = np.ascontiguousarray(records).view(self.kept.type)[:, 0][f"v{register}"]
+        return held
 
     def give(self) -> Routine:
         """`give(state, lane, record)`: a lane as a record."""
@@ -166,6 +228,34 @@ class Kernel:
             bit = k.load("i8", record)
             bit = k.op(f"shl {kind} {k.op(f'zext i8 {bit} to {kind}')}, {shift}")
             k.store(kind, k.op(f"or {kind} {others}, {bit}"), place)
+
+    def steps(self) -> list[Routine]:
+        """The functions of a step, with faults and without."""
+        return [self.faulty(), self.healthy()]
+
+    def healthy_step(self, k: Routine, given: Sequence[str], taps: str) -> None:
+        """Write a step in which no fault acts; `given` are its first arguments."""
+        k.run("@healthy", *given)
+
+    def clear(self, k: Routine, taps: str) -> None:
+        """Write what is done when no fault acts any more."""
+
+    def take_lanes(self, k: Routine, state: str, records: str) -> None:
+        """Write what takes each lane of a group from its record."""
+        with k.each(0, k.lanes) as lane:
+            k.run("@take", f"ptr {state}", f"i64 {lane}", f"ptr {self._record_of(k, records, lane)}")
+
+    def give_lanes(self, k: Routine, state: str, records: str, lanes: str) -> None:
+        """Write what gives some lanes of a group, at least, as records."""
+        with k.each_bit(lanes) as lane:
+            k.run("@give", f"ptr {state}", f"i64 {lane}", f"ptr {self._record_of(k, records, lane)}")
+
+    def _record_of(self, k: Routine, records: str, lane: str) -> str:
+        return k.at(records, k.op(f"mul i64 {lane}, {8 * self.words}"))
+
+    def helpers(self) -> list[Routine]:
+        """Functions that these call."""
+        return []
 
     def record(self) -> Routine:
         """`record(state, row)`: the first lane as the fault-free run."""

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
+from safety.terms.column_bits import size_of
 from safety.terms.graph import BIT, Term
 from safety.terms.llvm import Target
 from safety.terms.native import bytes_of, native_type
@@ -37,11 +38,14 @@ class Block:
     def size(self) -> int:
         """Bytes of the block, in whole lines."""
         end = max((self.offsets[t.uid] + lane_bytes(t, self.target) for t in self.terms), default=0)
-        return max(-(-end // LINE), 1) * LINE
+        least = 8 * self.target.lanes if self.target.sliced else LINE  # whole squares of planes
+        return max(-(-end // least), 1) * least
 
 
 def lane_bytes(term: Term, target: Target) -> int:
     """Bytes of all lanes of a term, 8 at least."""
+    if target.sliced:
+        return size_of(term.sort) * target.lanes // 8
     packed = term.sort == BIT and target.packed
     return max(target.lanes // 8 if packed else target.lanes * bytes_of(term), 8)
 
@@ -58,21 +62,24 @@ class Row:
     given: Sequence[Term]
     watched: int
     wires: int
+    words: int = 0  # of the registers before the step as planes have them
 
     @cached_property
     def type(self) -> Any:
         """The NumPy dtype; `v0`, `v1`, ... are the terms, `next0`, ... and `wire0`, ... the wires."""
         import numpy as np
 
-        fields: list[tuple[str, Any]] = [("tally", np.int32), ("block", np.int32), ("frame", np.int32)]
+        fields: list[tuple[Any, ...]] = [("tally", np.int32), ("block", np.int32), ("frame", np.int32)]
         fields += [(f"next{i}", np.int32) for i in range(self.watched)]
         order = sorted(range(len(self.given)), key=lambda i: -bytes_of(self.given[i]))
         fields += [(f"v{i}", native_type(self.given[i])) for i in order]
         fields += [(f"wire{i}", np.uint8) for i in range(self.wires)]
+        if self.words:
+            fields.insert(0, ("record", np.uint64, (self.words,)))
         packed = np.dtype(fields)
         names, offsets = list(packed.names or ()), [packed.fields[n][1] for n in packed.names or ()]  # type: ignore[index]
         size = -(-packed.itemsize // 8) * 8
-        formats = [kind for _, kind in fields]
+        formats = [packed.fields[n][0] for n in names]  # type: ignore[index]
         return np.dtype({"names": names, "formats": formats, "offsets": offsets, "itemsize": size})
 
     def offset(self, field: str) -> int:

@@ -9,10 +9,13 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from safety.inject.engine import NEVER, NONE, Batch, Outcome, Task
 from safety.inject.masks import Mask
-from safety.inject.native.driver import ENTRY, PACKED, PARAMETERS, SUM, Driver, masking, recorder
-from safety.inject.native.kernel import UNUSED, WORD, Kernel
-from safety.inject.native.layout import LINE
+from safety.inject.native.driver import PARAMETERS, SUM, Driver, recorder
+from safety.inject.native.kernel import UNUSED, Kernel
+from safety.inject.native.layout import LINE, lane_bytes
+from safety.inject.native.masking import ENTRY, PACKED, masking
+from safety.inject.native.planes import Planes
 from safety.inject.native.tapped import Tapped
+from safety.terms.column_bits import size_of
 from safety.terms.graph import BIT, Term
 from safety.terms.llvm import Library, Target
 from safety.terms.native import bytes_of
@@ -23,6 +26,8 @@ if TYPE_CHECKING:
 
     Array = npt.NDArray[Any]
 
+AUTO, WORDS, SLICED = FORMS = ("auto", "words", "sliced")  # how lanes are kept: words, bits, or what is cheaper
+SELDOM = '!0 = !{!"branch_weights", i32 1, i32 2000}'  # what a branch that is seldom taken refers to
 POINTER, NUMBER = ctypes.c_void_p, ctypes.c_int64
 
 Act = Mapping[str, Mask] | int  # what a fault does: masks at points, or the number of its switch
@@ -56,11 +61,15 @@ class Program:
         stimulus: Callable[[], Mapping[str, Array]],
         target: Target,
         recorded: Sequence[str] = (),
+        form: str = AUTO,
     ) -> None:
         wires = tuple(dict.fromkeys((*task.watch, *task.count)))
         counted = [wires.index(name) for name in task.count]
         self.task, self.acts, self._stimulus = task, acts, stimulus
         self.kernel = Kernel(system, wires, len(task.watch), counted, target, recorded)
+        if form == SLICED or (form == AUTO and self.kernel.slices_pay):
+            target = target.in_slices()
+            self.kernel = Planes(system, wires, len(task.watch), counted, target, recorded)
         self._library = Library(source(self.kernel), target, keep=True)
         self._run = self._library.function("run", POINTER)
 
@@ -78,13 +87,20 @@ class Program:
         power_up = {s.path: value for s, value in zip(system.states, values, strict=True)}
         for i, s in enumerate(kernel.registers):
             rows[f"v{i}"][0] = power_up[s.path]
+        if kernel.recorded_words:
+            rows["record"][0] = kernel.to_record([power_up[s.path] for s in kernel.registers])
         stimulus, chosen = self._stimulus(), self._choices(total)
         for i, name in enumerate(kernel.inputs, start=len(kernel.registers)):
             rows[f"v{i}"][:total] = np.repeat(stimulus[name], t.steps) if name in stimulus else chosen[name]
-        state, other, seen = (aligned(n) for n in (kernel.state.size, kernel.state.size, len(kernel.wires) * WORD))
+        state, other, seen = (
+            aligned(n) for n in (kernel.state.size, kernel.state.size, len(kernel.wires) * kernel.word)
+        )
         self._library.function("restore", POINTER, POINTER)(state.ctypes.data, rows.ctypes.data)
-        golden = self._library.function("golden", POINTER, NUMBER, POINTER, POINTER, POINTER)
-        golden(rows.ctypes.data, total, *(a.ctypes.data for a in (state, other, seen)))
+        golden = self._library.function("golden", POINTER, NUMBER, POINTER, POINTER, POINTER, POINTER)
+        golden(rows.ctypes.data, total, *(a.ctypes.data for a in (state, other, seen, self._passing)))
+        if kernel.recorded_words:
+            for i in range(len(kernel.registers)):
+                rows[f"v{i}"] = kernel.from_records(rows["record"], i)
         self._time(rows)
         return rows
 
@@ -117,15 +133,10 @@ class Program:
             ahead = np.minimum.accumulate(true[::-1])[::-1]
             rows[f"next{i}"] = np.append(ahead, NEVER)[rows["frame"]]
 
-    def kept(self, step: int) -> Array:
-        """The lane of the fault-free run before a step, as a record in words of 64 bits."""
-        import numpy as np
-
-        record = np.zeros(1, self.kernel.kept.type)
-        for i, s in enumerate(self.kernel.registers):
-            bytes_ = s.var.sort == BIT and not self.kernel.target.packed
-            record[f"v{i}"] = self.rows[f"v{i}"][step] * (255 if bytes_ else 1)
-        return record.view(np.uint64)
+    def kept(self, step: int, blank: Callable[[str], bool] = lambda register: False) -> Array:
+        """The lane of the fault-free run before a step, some registers at 0, as a record in words of 64 bits."""
+        rows, registers = self.rows, self.kernel.registers
+        return self.kernel.to_record([not blank(s.path) and int(rows[f"v{i}"][step]) for i, s in enumerate(registers)])
 
     @cached_property
     def golden(self) -> Outcome:
@@ -159,13 +170,13 @@ class Program:
         columns = runs.runs + 1  # the last is of lanes that have no run
         counts = np.zeros((len(kernel.counted), last + 1 - first, columns), np.int32)
         came = np.full((kernel.watched, columns), NEVER, np.int32)
-        words = kernel.kept.type.itemsize // 8
+        words = kernel.words
         records = np.zeros((len(column) if keep else 0, words), np.uint64)
         taken = np.zeros((len(before[0]), words), np.uint64)
         if kept is not None and going_on:
             taken[:going_on], taken[going_on:] = kept, kept[-1]
-        apart = np.zeros(groups, np.uint64)
-        block, taps = (aligned(kernel.state.size) for _ in range(2)), aligned(kernel.taps.size)
+        apart = np.zeros((groups, kernel.word // 8), np.uint64)
+        block, taps = (aligned(kernel.state.size) for _ in range(2)), aligned(kernel.taps_size)
         taps[:] = self._passing
         wires, (entry, entries) = len(kernel.wires), self._entries
         given: dict[str, Any] = {
@@ -178,14 +189,21 @@ class Program:
             **{"entry": entry, "entries": entries, "rows": self.rows, "taps": taps, "passing": self._passing},
             **{"before": taken, "after": records if keep else 0, "apart": apart},
             **dict(zip(("state", "other"), block, strict=True)),
-            **{"seen": aligned(wires * WORD), "ever": aligned(wires * WORD), "sums": aligned(wires * lanes * SUM)},
+            **{
+                "seen": aligned(wires * kernel.word),
+                "ever": aligned(wires * kernel.word),
+                "up": aligned(wires * kernel.word),
+                "sums": aligned(wires * lanes * SUM),
+            },
             **{"counts": counts.ctypes.data - 4 * first * columns, "came": came},
             **{"columns": columns, "blocks": counts.shape[1]},
         }
         addresses = [x.ctypes.data if isinstance(x := given[name], np.ndarray) else int(x) for name in PARAMETERS]
         parameters = np.array(addresses, np.int64)
         self._run(parameters.ctypes.data)
-        bits = np.unpackbits(apart.view(np.uint8), bitorder="little").reshape(groups, 64)[:, :lanes].ravel()
+        bits = (
+            np.unpackbits(apart.view(np.uint8), bitorder="little").reshape(groups, 8 * kernel.word)[:, :lanes].ravel()
+        )
         if keep:
             records[bits == 0] = self.kept(stop)
         return Stretch(first, counts[:, :, :-1], came[:, :-1], records[known] if keep else records, bits[known] > 0)
@@ -204,37 +222,39 @@ class Program:
         entry, entries = [0], [(0,) * len(ENTRY)]
         for act in self.acts:
             if isinstance(act, int):
-                entries.append(self._entry(UNUSED, self.kernel.tapped.switches[act], Mask(0, 1)))
+                entries.append(self._entry(UNUSED, self.kernel.tapped.switches[act], Mask(0, 1), ""))
             else:
                 pairs = self.kernel.tapped.masks
-                entries += [self._entry(*pairs[point], mask) for point, mask in act.items()]
+                entries += [self._entry(*pairs[point], mask, point) for point, mask in act.items()]
             entry.append(len(entries) - 1)
         return np.array(entry, np.int64), np.array(entries[1:] or entries, np.int64)
 
-    def _entry(self, keep: Term, turn: Term, mask: Mask) -> tuple[int, ...]:
+    def _entry(self, keep: Term, turn: Term, mask: Mask, point: str) -> tuple[int, ...]:
         offsets, packed = self.kernel.taps.offsets, self.kernel.target.packed
+        at = offsets[keep.uid], offsets[turn.uid]
+        if self.kernel.target.sliced:
+            return (_signed(mask.keep), _signed(mask.turn), *at, size_of(turn.sort), self.kernel.flags[point])
         size = PACKED if turn.sort == BIT and packed else bytes_of(turn)
         values = (-mask.keep, -mask.turn) if turn.sort == BIT and not packed else (mask.keep, mask.turn)
-        return (*map(_signed, values), offsets[keep.uid], offsets[turn.uid], size)
+        return (*map(_signed, values), *at, size, self.kernel.flags[point])
 
     @cached_property
     def _passing(self) -> Array:
         """The taps without faults: masks that let everything pass, switches that are off."""
-        block = aligned(self.kernel.taps.size)
-        packed, lanes = self.kernel.target.packed, self.kernel.target.lanes
+        block = aligned(self.kernel.taps_size)
         for keep, _ in self.kernel.tapped.masks.values():
             start = self.kernel.taps.offsets[keep.uid]
-            block[start : start + (lanes // 8 if packed and keep.sort == BIT else lanes * bytes_of(keep))] = 255
+            block[start : start + lane_bytes(keep, self.kernel.target)] = 255
         return block
 
 
 def source(kernel: Kernel) -> str:
     """LLVM text of everything that a kernel's runs need."""
-    steps = [kernel.faulty(), kernel.healthy(), kernel.restore(), kernel.diverged(), kernel.record()]
-    steps += [kernel.give(), kernel.take()]
+    steps = [*kernel.steps(), kernel.restore(), kernel.diverged(), kernel.record()]
+    steps += [kernel.give(), kernel.take(), *kernel.helpers()]
     routines = [*steps, *masking(kernel), Driver(kernel).write(), recorder(kernel)]
     declared = sorted({d for routine in routines for d in routine.intrinsics})
-    return "\n\n".join(["\n".join(declared), *(routine.text for routine in routines)]) + "\n"
+    return "\n\n".join(["\n".join(declared), *(routine.text for routine in routines), SELDOM]) + "\n"
 
 
 def _chosen(array: Array, columns: Array, filler: int) -> Array:

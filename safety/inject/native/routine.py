@@ -45,6 +45,7 @@ class Routine(Writer):
         self.locals: list[str] = []
         self.bound: dict[int, Callable[[], str]] = {}  # how to read a variable, by uid
         self.labels = 0
+        self.attributes = ""
 
     def variable(self, term: Term) -> str:
         """Read a variable where it is used first: near its use, and not at all where it has none."""
@@ -70,26 +71,38 @@ class Routine(Writer):
 
     def lanes_in(self, term: Term) -> str:
         """The type of a term's lanes in memory: a bit that is not packed is a byte, all ones or zero."""
-        return vector(self, 8) if term.sort == BIT and not self.packed else lane_vector(self, term)
+        return vector(self, 8) if self._as_bytes(term) else lane_vector(self, term)
+
+    def _as_bytes(self, term: Term) -> bool:
+        return term.sort == BIT and not (self.packed or self.sliced)
 
     def load_lanes(self, term: Term, base: str, offset: Operand = 0) -> str:
         """A term's lanes."""
         x = self.load(self.lanes_in(term), base, offset, align=8)
-        bytes_ = term.sort == BIT and not self.packed
-        return self.op(f"icmp slt {vector(self, 8)} {x}, zeroinitializer") if bytes_ else x
+        return self.op(f"icmp slt {vector(self, 8)} {x}, zeroinitializer") if self._as_bytes(term) else x
 
     def store_lanes(self, term: Term, value: str, base: str, offset: Operand = 0) -> None:
         """Keep a term's lanes."""
         kind = self.lanes_in(term)
-        if term.sort == BIT and not self.packed:
+        if self._as_bytes(term):
             value = self.op(f"sext {vector(self, 1)} {value} to {kind}")
         self.store(kind, value, base, offset, align=8)
 
     def spread(self, kind: str, value: str) -> str:
         """A number in every lane."""
-        lanes = f"<{self.lanes} x {kind}>"
+        return self.spread_over(self.lanes, kind, value)
+
+    def spread_over(self, many: int, kind: str, value: str) -> str:
+        """A number so many times."""
+        lanes = f"<{many} x {kind}>"
         first = self.op(f"insertelement {lanes} poison, {kind} {value}, i64 0")
-        return self.op(f"shufflevector {lanes} {first}, {lanes} poison, <{self.lanes} x i32> zeroinitializer")
+        return self.op(f"shufflevector {lanes} {first}, {lanes} poison, <{many} x i32> zeroinitializer")
+
+    def least(self, many: int, numbers: str) -> str:
+        """The least of so many numbers of 32 bits."""
+        reduce = f"i32 @llvm.vector.reduce.smin.v{many}i32(<{many} x i32>"
+        self.intrinsics.add(f"declare {reduce})")
+        return self.op(f"call {reduce} {numbers})")
 
     def load_spread(self, term: Term, base: str, offset: Operand = 0) -> str:
         """One value of a term (a bit is a byte) in every lane."""
@@ -98,6 +111,51 @@ class Routine(Writer):
             return self.spread(f"i{8 * bytes_of(term)}", x)
         on = self.op(f"icmp ne i8 {x}, 0")
         return self.op(f"sext i1 {on} to i{self.lanes}") if self.packed else self.spread("i1", on)
+
+    @staticmethod
+    def number_of(target: Target) -> str:
+        """The type of a bit of all lanes where it is seen as a whole: a number, or words of 64 bits."""
+        return f"<{target.lanes // 64} x i64>" if target.sliced else f"i{target.lanes}"
+
+    @property
+    def number(self) -> str:
+        """The same."""
+        return f"<{self.lanes // 64} x i64>" if self.sliced else f"i{self.lanes}"
+
+    def all_of(self, i1: str) -> str:
+        """A bit that is the same in all lanes, as a whole."""
+        if not self.sliced:
+            return self.op(f"sext i1 {i1} to {self.number}")
+        return self.op(f"select i1 {i1}, {self.number} splat (i64 -1), {self.number} zeroinitializer")
+
+    def inverted(self, number: str) -> str:
+        """A bit of all lanes, inverted."""
+        return self.op(f"xor {self.number} {number}, {'splat (i64 -1)' if self.sliced else '-1'}")
+
+    def some(self, number: str) -> str:
+        """Whether a bit is set in some lane."""
+        if not self.sliced:
+            return self.is_("ne", self.number, number, 0)
+        words = self.lanes // 64
+        apart = self.op(f"icmp ne {self.number} {number}, zeroinitializer")
+        return self.is_("ne", f"i{words}", self.op(f"bitcast <{words} x i1> {apart} to i{words}"), 0)
+
+    @contextmanager
+    def each_word(self, number: str) -> Iterator[tuple[str, str]]:
+        """What is done for each word of a bit of all lanes: its first lane, the word."""
+        if not self.sliced:
+            yield "0", number
+            return
+        place = self.fresh()
+        self.locals.append(f"{place} = alloca {self.number}, align 64")
+        self.store(self.number, number, place)
+        with self.each(0, self.lanes // 64) as i:
+            yield self.op(f"mul i64 {i}, 64"), self.load("i64", self.element(place, "i64", i))
+
+    @property
+    def word(self) -> str:
+        """The type of a word."""
+        return f"i{min(self.lanes, 64)}"
 
     def as_number(self, bit: str) -> str:
         """A bit of all lanes as one whole number."""
@@ -132,6 +190,17 @@ class Routine(Writer):
         yield
         self._begin(end)
 
+    def fork(self, condition: str) -> tuple[str, str, str]:
+        """Go on with what is seldom done: the labels of before, of here and of where both ways are to `join`."""
+        before, then, end = self._labels("before", "then", "end")
+        self._begin(before)
+        self.lines += [f"br i1 {condition}, label %{then}, label %{end}, !prof !0", f"{then}:"]
+        return before, then, end
+
+    def join(self, end: str) -> None:
+        """Where both ways meet."""
+        self._begin(end)
+
     @contextmanager
     def while_(self, condition: Callable[[], str]) -> Iterator[None]:
         """What is done as long as a condition holds."""
@@ -151,9 +220,15 @@ class Routine(Writer):
 
     @contextmanager
     def each_bit(self, number: str) -> Iterator[str]:
-        """What is done for each lane whose bit is set in a whole number of lanes."""
-        kind = f"i{self.lanes}"
-        rest = self.local(kind, number)
+        """What is done for each lane whose bit is set in a bit of all lanes."""
+        with self.each_word(number) as (first, word), self.each_of(word) as place:
+            yield self.op(f"add i64 {first}, {place}")
+
+    @contextmanager
+    def each_of(self, word: str) -> Iterator[str]:
+        """What is done for each lane whose bit is set in a word."""
+        kind = self.word
+        rest = self.local(kind, word)
         with self.while_(lambda: self.is_("ne", kind, rest.value, 0)):
             x = rest.value
             rest.set(self.op(f"and {kind} {x}, {self.op(f'add {kind} {x}, -1')}"))
@@ -168,6 +243,6 @@ class Routine(Writer):
     @property
     def text(self) -> str:
         """The function, complete but for the declarations of its `intrinsics`."""
-        head = f"define {self.result} @{self.name}({', '.join(self.parameters)}) {ATTRIBUTES} {{"
+        head = f"define {self.result} @{self.name}({', '.join(self.parameters)}) {ATTRIBUTES}{self.attributes} {{"
         ended = [*self.lines, *(["ret void"] if self.result == "void" else [])]
         return "\n".join([head, *(f"  {x}" for x in (*self.locals, "br label %begin", "begin:", *ended)), "}"])

@@ -18,8 +18,9 @@ if TYPE_CHECKING:
 
     Array = npt.NDArray[Any]
 
-NEW_RUNS = 2**13  # that begin in a stretch, at least, about
-MOST = 32  # stretches
+TILE = 16  # atoms
+NEW_RUNS = 2**12  # that begin in a stretch, at least, about
+MOST = 64  # stretches
 SHORTEST = 32  # steps of a stretch
 WORTH_WHILE = 0.2  # runs that are one with another, per new one that is not over; with fewer the rest is one stretch
 
@@ -43,7 +44,12 @@ def run(program: Program, batch: Batch, *, prune: bool = True, length: int | Non
     first, end = np.where(none, NEVER, batch.first), np.where(none, NEVER, batch.end)
     stays = ((end == NEVER) & ~none).any(axis=0)
     begins = first.min(axis=0)
-    order = np.argsort(stays.astype(np.int64) << 62 | begins.astype(np.int64) << 31 | batch.atoms[0] + 1)
+    tiles = [row // TILE for row in batch.atoms]  # so that a group has few points
+    if prune:
+        in_time = stays.astype(np.int64) << 62 | begins.astype(np.int64) << 31 | tiles[0] + 1
+        order = np.argsort(in_time, kind="stable") if len(tiles) == 1 else np.lexsort([*tiles[::-1], begins, stays])
+    else:
+        order = np.lexsort([begins, batch.atoms[0]])
     ordered = Batch(*(np.ascontiguousarray(a[:, order]) for a in (batch.atoms, first, end)))
     passing = int(np.count_nonzero(~stays))
     total = task.timing.frames * task.timing.steps
@@ -74,7 +80,7 @@ def _legs(program: Program, batch: Batch, length: int) -> list[_Leg]:
 
     total = program.task.timing.frames * program.task.timing.steps
     begins = batch.first.min(axis=0).astype(np.int64)
-    going_on, kept = _columns(batch, 0, 0), np.zeros((0, program.kernel.kept.type.itemsize // 8), np.uint64)
+    going_on, kept = _columns(batch, 0, 0), np.zeros((0, program.kernel.words), np.uint64)
     legs: list[_Leg] = []
     start = 0
     while start < total:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 from safety.faults import INTERMITTENT, Fault, instrument, now_name, schedule
@@ -15,7 +16,7 @@ from safety.terms.values import const
 
 @dataclass(frozen=True)
 class Tapped:
-    """The system, its points having given way to what is there; `masks`: `keep` and `turn` of each point that has them.
+    """The system, its points with masks left; `masks`: `keep` and `turn` of each of these.
 
     `switches` say of each fault built in whether it acts; `choices` gives what these faults choose at a step, the same
     in all lanes, up to a last step after which nothing changes (None: it always may).
@@ -34,9 +35,13 @@ class Tapped:
 
     def without_faults(self) -> System:
         """The same system while no fault acts; registers of faults are still there."""
+        off = {switch.uid: const(False, switch.sort) for switch in self.switches}
+        return self.passing().mapped(lambda roots: without_points(substitute(roots, off)))
+
+    def passing(self) -> System:
+        """The same system with masks that let everything pass; its points and switches are left."""
         passing = {keep.uid: const(_all(keep), keep.sort) for keep, _ in self.masks.values()}
         passing |= {turn.uid: const(turn.sort.admits(0) and 0, turn.sort) for _, turn in self.masks.values()}
-        passing |= {switch.uid: const(False, switch.sort) for switch in self.switches}
         return self.system.mapped(lambda roots: substitute(roots, passing))
 
 
@@ -54,7 +59,9 @@ def tapped(system: System, points: Sequence[str], faults: Sequence[Fault] = ()) 
     free = [name for name in faulted.choices if name not in names]
     longest = max((len(v) for fault in faults for v in (fault.values or {}).values()), default=1)
     return Tapped(
-        replace(carried.system, inputs={n: t for n, t in inputs.items() if n not in names}).mapped(without_points),
+        replace(carried.system, inputs={n: t for n, t in inputs.items() if n not in names}).mapped(
+            partial(without_points, but=carried.variables)
+        ),
         carried.variables,
         tuple(inputs[name] for name in names),
         lambda step: {name: value for name, value in choose(step).items() if name in free},
