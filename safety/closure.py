@@ -143,7 +143,7 @@ def tied(campaign: Campaign, result: Result, claim: Claim) -> str | None:
 
 
 def _breaks(campaign: Campaign, found: Injection, claim: Claim) -> bool:
-    """Whether the run of an injection breaks a claim: the claim's own faults are absent, this one stands beside them."""
+    """Whether the run of an injection breaks a claim, whose own faults are absent in it."""
     variant = campaign.variant(found.scenario)
     used = {name: setting.value for name, setting in variant.system.settings.items()}
     settings = {name: value for name, value in used.items() if name not in claim.symbolic}
