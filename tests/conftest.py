@@ -1,14 +1,32 @@
-"""What all tests share: hypothesis without a clock and with the same examples in every run; an empty result cache."""
+"""What all tests share: hypothesis without a clock and with the same examples in every run; an empty result cache.
 
+No test, and no file of tests, leaves models, proofs or declarations behind for the next one.
+"""
+
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 from hypothesis import settings
 
 from safety.prove.cache import Cache
+from tests.apart import kept
 
 settings.register_profile("pinned", deadline=None, derandomize=True)
 settings.load_profile("pinned")
+
+
+@pytest.fixture(scope="module", autouse=True)
+def declarations_of_a_file() -> Iterator[None]:
+    """Those of fixtures that a file's tests share."""
+    with kept():
+        yield
+
+
+@pytest.fixture(autouse=True)
+def declarations_of_a_test() -> Iterator[None]:
+    with kept():
+        yield
 
 
 @pytest.fixture

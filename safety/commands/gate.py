@@ -15,18 +15,25 @@ TOLD = 25  # differences that the entry tells in a line of their own
 
 
 def aim(entry: Entry, target: Fraction) -> None:
-    """Hold the diagnostic coverage against a target: its lower bound, weighted by rates where they are given."""
+    """Hold the diagnostic coverage against a target: its lower bound, weighted by rates where they are given.
+
+    Where no injection is dangerous there is none to detect: of all injections the target is met; of a sample nothing is
+    known of the others, so a target is neither met nor missed.
+    """
     by_rate = entry.get("by_rate") or {}
     found: dict[str, Any] | None = by_rate.get("diagnostic_coverage") or entry.get("diagnostic_coverage")
     words = "diagnostic coverage" + (" by rate" if by_rate.get("diagnostic_coverage") else "")
-    if found is None:
-        met, told = False, f"{words} unknown, target {number(float(target))}: no dangerous injection, or unfinished"
+    met: bool | None
+    if found is None and (entry["exhaustive"] or not target):
+        met, told = True, f"no injection is dangerous, target {number(float(target))} met"
+    elif found is None:
+        met, told = None, f"no injection drawn is dangerous, target {number(float(target))} undecided: draw more"
     else:
         low = Fraction(found["exact"]) if found.get("exact") else Fraction(found["low"])
         met, least = low >= target, "" if found.get("exact") else " at least"
         told = f"{words}{least} {number(float(low))}, target {number(float(target))} {'met' if met else 'missed'}"
     entry["target_coverage"] = {"target": str(target), "met": met, "told": told}
-    if not met:
+    if met is False:
         fail(entry, told, [told])
 
 

@@ -40,7 +40,7 @@ CLASSES = ("safe", "detected", "dangerous_undetected", "no_effect")
 def add_arguments(parser: ArgumentParser) -> None:
     """Options of the verb."""
     options.add_selection(parser)
-    options.add_work(parser)
+    options.add_work(parser, solvers=False)
     group = parser.add_argument_group("what is asked of a campaign")
     group.add_argument("--baseline", metavar="FILE", help="fail for what is worse than in this file")
     group.add_argument("--write-baseline", metavar="FILE", help="keep what is found, to be compared with later")

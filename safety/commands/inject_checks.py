@@ -20,28 +20,70 @@ if TYPE_CHECKING:
     from safety.commands.evaluate import Evaluate, Note, Order
     from safety.commands.selection import Item
     from safety.commands.session import Session
+    from safety.commands.sharding import Kept
     from safety.project import Project
 
 KIND = "rightside/baseline/"  # in every baseline
+FILES = ("write_baseline", "sarif", "junit", "csv", "xlsx", "json")  # that are written
+WHOLE = ("baseline", "write_baseline", "targets", "sarif", "junit", "csv", "xlsx")  # ask for the whole campaign
 
 
 def refuse(args: Namespace) -> None:
     """Refuse what cannot be written, or contradicts itself, before hours of work."""
-    for target in filter(None, (args.write_baseline, args.sarif, args.junit, args.csv, args.xlsx)):
-        probe(Path(target))
-    if args.baseline and args.baseline == args.write_baseline:
-        raise CommandError(f"--baseline and --write-baseline are both {args.baseline}: compare first, then accept")
+    _refuse_empty(args)
+    _refuse_parts(args)
+    _refuse_files(args)
     if args.xlsx:
         try:
             import openpyxl  # noqa: F401
         except ImportError:
             raise CommandError("--xlsx: openpyxl is not installed; pip install rightside[xlsx]") from None
-    if args.shard and args.write_baseline:
-        raise CommandError("--write-baseline with --shard would keep a part; write it where the shards are merged")
+
+
+def _refuse_empty(args: Namespace) -> None:
+    """Refuse an option with nothing behind it, as a shell's unset variable leaves it: it would ask for nothing."""
+    for name in (*FILES, "baseline", "store", "shard", "merge", "executor"):
+        given = getattr(args, name)
+        if given == "" or (name == "merge" and "" in given):
+            raise CommandError(f"{_option(name)} is empty; write its value, or leave it out")
+
+
+def _refuse_parts(args: Namespace) -> None:
+    """Refuse what needs the whole campaign where a part of it is made: it would be passed over in silence."""
+    asked = [name for name in WHOLE if getattr(args, name)]
+    if args.shard and asked:
+        raise CommandError(
+            f"{_option(asked[0])} needs the whole campaign, --shard {args.shard} makes a part: make all parts without "
+            f"it, then put them together with --merge DIR for each, without --shard, and {_option(asked[0])}"
+        )
+
+
+def _refuse_files(args: Namespace) -> None:
+    """Refuse files that cannot be written, and one file for two things."""
+    known: dict[Path, str] = {Path(args.baseline).resolve(): "baseline"} if args.baseline else {}
+    for name in FILES:
+        target = getattr(args, name)
+        if not target or (name == "json" and target == "-"):
+            continue
+        if target == "-":
+            raise CommandError(f"{_option(name)} -: only --json goes to stdout; give a file (./- for one of this name)")
+        path = Path(target)
+        probe(path)
+        if path.exists() and not path.is_file():  # a device takes any number
+            continue
+        other = known.setdefault(path.resolve(), name)
+        if (other, name) == ("baseline", "write_baseline"):
+            raise CommandError(f"--baseline and --write-baseline are both {args.baseline}: compare first, then accept")
+        if other != name:
+            raise CommandError(f"{_option(other)} and {_option(name)} are both {target}; give each a file of its own")
+
+
+def _option(name: str) -> str:
+    return "--target-coverage" if name == "targets" else f"--{name.replace('_', '-')}"
 
 
 def check(session: Session, args: Namespace, stack: ExitStack) -> Evaluate | None:
-    """Refuse targets and baselines that do not fit; what works in this process where results are kept in a store."""
+    """Refuse targets, baselines and stores that do not fit; what works here where results are kept in a store."""
     wishes = Wishes(
         args.engine, not args.no_collapse, args.audit, dict(args.targets), args.baseline or "",
         bool(args.write_baseline), args.shrink, args.csv or "", args.xlsx or "", args.shard or "",
@@ -64,7 +106,11 @@ def check(session: Session, args: Namespace, stack: ExitStack) -> Evaluate | Non
             prepare(find(session.project.campaigns, item.id), wishes, settings)
     if wishes.baseline:
         _fits(session, records(wishes.baseline), wishes.baseline)
-    return kept
+    if kept is None:
+        return None
+    for item in session.chosen:
+        kept.take(find(session.project.campaigns, item.id))
+    return _here(kept)
 
 
 def _fits(session: Session, there: Mapping[str, Any], file: str) -> None:
@@ -82,8 +128,8 @@ def _fits(session: Session, there: Mapping[str, Any], file: str) -> None:
 
 def _kept(
     args: Namespace, session: Session, wishes: Wishes, settings: Mapping[str, Any], stack: ExitStack
-) -> Evaluate | None:
-    """What works on a campaign whose results are kept; None where they are not."""
+) -> Kept | None:
+    """Where results are kept; None where they are not."""
     if not (args.store or args.resume or args.shard or args.merge or args.executor):
         return None
     from safety.commands.sharding import Kept
@@ -93,13 +139,17 @@ def _kept(
     Part.parse(args.shard or "1/1")
     jobs = args.jobs or session.project.config.jobs or options.cores()
     executor = stack.enter_context(open_executor(args.executor or "processes", workers=jobs))
-    kept = Kept(
+    return Kept(
         Path(args.store) if args.store else root / FOLDER, executor, root, settings, wishes,
         resume=args.resume or bool(args.merge), merge=args.merge, told=lambda text: print(text, file=sys.stderr),
     )  # fmt: skip
 
+
+def _here(kept: Kept) -> Evaluate:
+    """What works on a campaign whose results are kept."""
+
     def here(project: Project, item: Item, order: Order, note: Note) -> Answer:
-        entry = injected(find(project.campaigns, item.id), wishes, project, note, kept.run)
+        entry = injected(find(project.campaigns, item.id), kept.wishes, project, note, kept.run)
         if kept.resume:  # some may have been there
             entry["injections_per_second"] = None
         return Answer(item, entry)

@@ -28,12 +28,14 @@ def add_selection(parser: ArgumentParser) -> None:
     group.add_argument("--lf", action="store_true", help="those that were not as asked the last time (all, if none)")
 
 
-def add_work(parser: ArgumentParser) -> None:
-    """-x, -j, --timeout, --set, --no-progress, --json."""
+def add_work(parser: ArgumentParser, *, solvers: bool = True) -> None:
+    """-x, -j, --timeout (where solvers are asked), --set, --no-progress, --json."""
     group = parser.add_argument_group("work")
     group.add_argument("-x", action="store_true", dest="first", help="stop at the first result that is not as asked")
     group.add_argument("-j", metavar="N", type=_count, dest="jobs", help="worker processes (default: one a core)")
-    add_timeout(group)
+    parser.set_defaults(timeout=None)
+    if solvers:
+        add_timeout(group)
     add_settings(group)
     group.add_argument("--no-progress", action="store_true", help="plain lines, even on a terminal")
     add_json(parser)

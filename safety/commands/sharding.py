@@ -33,11 +33,14 @@ class Kept:
     merge: Sequence[str]
     told: Callable[[str], None]
 
+    def take(self, campaign: Campaign) -> None:
+        """Take the shards of a campaign from the other stores.  Raises `StoreError` where these have none of it."""
+        if self.merge:
+            merge(campaign, [Path(folder) for folder in self.merge], Store(self.store, self.told))
+
     def run(self, campaign: Campaign, note: Note) -> tuple[Result, Sequence[str]]:
         """The result of a campaign out of its shards, and what kept shards from being made."""
         store = Store(self.store, self.told)
-        if self.merge:
-            merge(campaign, [Path(folder) for folder in self.merge], store)
         began = time.monotonic()
         stored = run_sharded(
             campaign, self._find(campaign), store, self.executor,

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 from safety.inject.classes import CELLS, CLASSES, Judge
 from safety.inject.engine import AUTO, ENGINES, NEVER, Engine, Outcome, Timing, engine_for
 from safety.inject.enumeration import enumerate_space
+from safety.inject.fmeda import check_rates
 from safety.inject.judging import HAZARD, SAFE, Judged, detector, judged
 from safety.inject.monitors import Watched
 from safety.inject.space import CampaignError, Faults, Group, Injection, Space, check_schedule, identify, window
@@ -39,6 +40,9 @@ class Campaign:
     What is injected: `faults`, groups, or a list or function of faults (then one group), each with its own schedule, or
     at all `onsets` (model steps) for `length` steps (None: it stays); singly, or in all pairs or triples (`order`).
     `sample` draws so many (or so many of each group) with `seed`.
+
+    When: the first `run_in` frames pass unjudged, so what a fault does only then is not seen: one that has ended by
+    then counts only by what it leaves behind.
 
     Under what: `stimulus`, inputs of a frame, fixed or by its number; `constant`, inputs that never change, folded into
     the model; `vary`, inputs, settings or open registers by how each is drawn, anew for each of the `scenarios`.
@@ -96,6 +100,12 @@ class Campaign:
         self.place = caller.f_code.co_filename, caller.f_lineno  # where it is declared
         if self.target_coverage is not None:
             self.target_coverage = exact_share(self.target_coverage, f"{self.id}: target_coverage")
+        for name in ("measured", "run_in", "block", "steps_per_frame", "scenarios", "order"):
+            value = getattr(self, name)
+            if type(value) is not int and not (name == "block" and value is None):
+                raise CampaignError(f"{self.id}: {name}={value!r} is no whole number")
+        if not 0 < self.confidence < 1:
+            raise CampaignError(f"{self.id}: confidence={self.confidence!r} lies between 0 and 1, e.g. 0.99")
         block = self.measured if self.block is None else self.block
         if self.measured < 1 or block < 1 or self.measured % block:
             raise CampaignError(
@@ -128,6 +138,8 @@ class Campaign:
             raise CampaignError(f"{self.id}: say when a run is dangerous: hazard=..., or wrong_side= and detected=")
         if self.hazard is not None and len(self.detectors) > 200:
             raise CampaignError(f"{self.id}: {len(self.detectors)} detectors; join some, 200 can be told apart")
+        if any(not label.strip() for label in self.detectors):
+            raise CampaignError(f"{self.id}: a detector's label is empty; results tell by it who detects: name it")
 
     def _groups(self) -> list[Group]:
         if callable(self.faults):
@@ -179,7 +191,11 @@ class Campaign:
 
     @cached_property
     def space(self) -> Space:
-        """The injections.  Raises `ModelError` for an unknown point, `CampaignError` for what cannot be injected."""
+        """The injections.
+
+        Raises `ModelError` for an unknown point, `CampaignError` for what cannot be injected, and for failure rates of
+        some groups only or a sample without a rated one.
+        """
         space = enumerate_space(
             self.system, self._groups(), order=self.order, onsets=self.onsets, length=self.length,
             scenarios=self.scenarios, sample=self.sample, seed=self.seed,
@@ -195,6 +211,7 @@ class Campaign:
         for step in self.onsets or ():
             end = NEVER if self.length is None else step + self.length
             check_schedule(space.singles[0].name, step, end, self.timing)
+        check_rates(space, self.id)
         return space
 
     def collapse(self, scenario: int = 0) -> Collapse:

@@ -19,6 +19,7 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from pathlib import Path
 
+from safety.inject.fmeda import FORMULA
 from safety.inject.space import CampaignError, Group
 from safety.system import nearest
 
@@ -102,7 +103,7 @@ def _line(place: str, row: dict[str | None, str | list[str] | None]) -> _Line:
         raise CampaignError(
             f"{place}: the line has more or fewer fields than the heading; put texts with commas in quotes"
         )
-    text = {str(name): str(value).strip() for name, value in row.items()}
+    text = {str(name): _text(str(value)) for name, value in row.items()}
     unit, column = (FIT, "fit") if "fit" in text else (Fraction(1), "rate_per_h")
     rate = unit * _number(place, column, text[column])
     share = None
@@ -114,6 +115,11 @@ def _line(place: str, row: dict[str | None, str | list[str] | None]) -> _Line:
     return _Line(
         place, (text["part"], text.get("mode", "")), rate * (1 if share is None else share), share, text["source"]
     )
+
+
+def _text(cell: str) -> str:
+    """What a cell says, without the apostrophe that `write_csv` puts before what looks like a formula."""
+    return (cell[1:] if cell.startswith("'") and cell[1:].startswith(FORMULA) else cell).strip()
 
 
 def _number(place: str, column: str, text: str) -> Fraction:

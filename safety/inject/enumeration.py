@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from safety.faults import FROM_START, Fault, expand
 from safety.inject.ranks import drawn
-from safety.inject.space import CampaignError, Group, Space, identify
+from safety.inject.space import JOINT, CampaignError, Group, Space, identify, without_onset
 from safety.system import System, nearest
 
 if TYPE_CHECKING:
@@ -164,8 +164,8 @@ def _refuse_ambiguous(names: Sequence[str]) -> None:
     longer = [
         (name, first)
         for name, given in parts.items()
-        for first in (_without_onset(JOINT.join(given[:k]))[0] for k in range(1, len(given)))
-        if first in whole
+        for k in range(1, len(given))
+        for first in {JOINT.join(given[:k]), without_onset(JOINT.join(given[:k]))[0]} & whole
     ]
     ends = any(JOINT.join(given[k:]) in whole for given in parts.values() for k in range(1, len(given)))
     if longer and ends:

@@ -18,7 +18,6 @@ from typing import TYPE_CHECKING
 
 from safety.inject.classes import CELLS, Tally
 from safety.inject.fmeda import rated
-from safety.inject.space import CampaignError
 from safety.inject.statistics import Share, Stratum, clustered, clustered_ratio, share, weighted
 
 if TYPE_CHECKING:
@@ -52,18 +51,11 @@ def estimate(result: Result, good: Cells, bad: Cells) -> Share | None:
 def by_rate(result: Result, good: Cells, bad: Cells) -> Share | None:
     """The same with each group weighing its failure rate; None without rates or without a case.
 
-    Raises `CampaignError` when only some groups have a rate, one has the rate 0, or a sample has none of a group: it
-    would weigh nothing and pass unseen.
+    No group weighs nothing and passes unseen: that is refused before the run (`fmeda.check_rates`).
     """
     campaign, rows = result.campaign, result.rows
-    if result.interrupted or not rows or not rated(rows, campaign.id):
+    if result.interrupted or not rows or not rated(campaign.space.groups, campaign.id):
         return None
-    for row in rows:
-        if not row.tally.injections or not all(tally.injections for tally in row.scenarios):
-            raise CampaignError(
-                f"{campaign.id}: the sample has no fault of group {row.group.name!r}, which has a rate; "
-                "draw more, or inject all"
-            )
     rates = [row.rate or Fraction(0) for row in rows]
     if campaign.vary:
         scenarios = list(zip(*(row.scenarios for row in rows), strict=True))

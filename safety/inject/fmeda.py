@@ -17,8 +17,9 @@ from pathlib import Path
 from typing import Any, cast
 
 from safety.inject.classes import CLASSES, Tally
+from safety.inject.counting import pieces
 from safety.inject.figures import FIGURES, GOOD, RATES, Figure, count, good
-from safety.inject.space import CampaignError, Group
+from safety.inject.space import CampaignError, Group, Space
 from safety.inject.statistics import (
     Stratum,
     Trials,
@@ -245,22 +246,41 @@ def _exactly(bounds: tuple[float, float]) -> tuple[Fraction, Fraction]:
     return Fraction(bounds[0]), Fraction(bounds[1])
 
 
-def rated(rows: Sequence[Row], place: str) -> bool:
-    """Whether rates are given.  Raises `CampaignError` when only some rows have one, or one is not above 0."""
-    without = [row.group.name for row in rows if row.rate is None]
-    if len(without) == len(rows):
+def rated(groups: Sequence[Group], place: str) -> bool:
+    """Whether rates are given.  Raises `CampaignError` when only some groups have one, or one is not above 0."""
+    without = [group.name for group in groups if group.rate_per_h is None]
+    if len(without) == len(groups):
         return False
     if without:
         raise CampaignError(
             f"{place}: group {without[0]!r} has no failure rate, others have; give it one, or none to any"
         )
-    for row in rows:
-        if cast(Fraction, row.rate) <= 0:
+    for group in groups:
+        if cast(Fraction, group.rate_per_h) <= 0:
             raise CampaignError(
-                f"{place}: group {row.group.name!r} has the rate {row.rate} /h and would weigh nothing; "
+                f"{place}: group {group.name!r} has the rate {group.rate_per_h} /h and would weigh nothing; "
                 "give a rate above 0 or leave the group out"
             )
     return True
+
+
+def check_rates(space: Space, place: str) -> None:
+    """Refuse, before anything is run, what would leave figures by rate without a group.
+
+    Raises `CampaignError` as `rated` does, and when a sample has no injection of a group with a rate, in any scenario.
+    """
+    import numpy as np
+
+    if space.order > 1 or not rated(space.groups, place) or space.chosen is None:
+        return
+    numbers = np.zeros(space.scenarios * space.group_keys, dtype=np.int64)
+    for low, high in pieces(len(space)):
+        numbers += np.bincount(space.keys(low, high), minlength=len(numbers))
+    for key in np.flatnonzero(numbers == 0)[:1]:
+        raise CampaignError(
+            f"{place}: the sample has no fault of group {space.group_name(int(key) % space.group_keys)!r}, "
+            "which has a rate; draw more, or inject all"
+        )
 
 
 COLUMNS = (
@@ -281,9 +301,20 @@ def records(rows: Iterable[Row]) -> list[dict[str, Any]]:
     return found
 
 
+FORMULA = ("=", "+", "-", "@", "\t", "\r")  # a spreadsheet may take a cell of a CSV file that begins so for a formula
+
+
 def write_csv(rows: Iterable[Row], path: str | Path) -> None:
-    """Write the table: a header line, then a line a mode; an unknown value is an empty cell."""
+    """Write the table: a header line, then a line a mode; an unknown value is an empty cell.
+
+    An apostrophe stands before a text that a spreadsheet would take for a formula; `with_rates` takes it off again.
+    """
     with Path(path).open("w", encoding="utf-8", newline="") as file:
         writer = csv.DictWriter(file, COLUMNS)
         writer.writeheader()
-        writer.writerows(records(rows))
+        for record in records(rows):
+            writer.writerow({column: _cell(value) for column, value in record.items()})
+
+
+def _cell(value: Any) -> Any:
+    return f"'{value}" if isinstance(value, str) and value.startswith(FORMULA) else value

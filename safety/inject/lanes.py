@@ -48,7 +48,7 @@ class LaneEngine:
     not fit its point, `ModelError` for a point that does not exist.
     """
 
-    name = "lanes"
+    name, note = "lanes", ""
 
     def __init__(self, task: Task, most_lanes: int = MOST_LANES) -> None:
         self.task, self.most_lanes = task, most_lanes

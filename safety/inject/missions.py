@@ -5,9 +5,10 @@
 
 A mission is the measured frames of the campaign: the hazard counts in these only, so faults begin in these only.  Each
 group has a fault during the mission with its probability, independently [A]: one of its faults, at one of the frames
-of the mission, all alike.  Plain sampling would hardly ever draw two.  So the missions are divided into strata by `stratum`, a
-function of which groups are faulty (how many, unless given otherwise: how many channels, which of them), and each
-stratum is tried as often as the others and weighs its exact probability.  A stratum left out counts as dangerous.
+of the mission, all alike.  Plain sampling would hardly ever draw two.  So the missions are divided into strata by
+`stratum`, a function of which groups are faulty (how many, unless given otherwise: how many channels, which of them),
+and each stratum is tried as often as the others and weighs its exact probability.  A stratum left out counts as
+dangerous.
 """
 
 from __future__ import annotations
@@ -63,9 +64,9 @@ def mission(
     """Estimate it with `runs` missions a stratum, or so many of each (0: left out), with bounds valid for all at once.
 
     `chances`: probability of a fault in each group of the campaign (16 groups at most) during the mission, which is the
-    measured frames of the campaign; faults last `length` steps, as those of the campaign, or stay.  Raises `CampaignError`
-    for a group that is missing or unknown, a chance that is none, drawn scenarios, a fault-free run that is judged
-    faulty, and runs for no stratum or an unknown one.
+    measured frames of the campaign; faults last `length` steps, as those of the campaign, or stay.  Raises
+    `CampaignError` for a group that is missing or unknown, a chance that is none, drawn scenarios, a fault-free run
+    that is judged faulty, and runs for no stratum or an unknown one.
     """
     import numpy as np
 
@@ -120,7 +121,7 @@ def _tried(
 
 
 def _batch(campaign: Campaign, missions: list[Faulty], rng: np.random.Generator) -> Batch:
-    """For each mission one fault of each faulty group, at a measured frame of its own; rows in the order of the groups."""
+    """For each mission one fault of each faulty group, at a measured frame of its own; rows in the groups' order."""
     import numpy as np
 
     space, timing = campaign.space, campaign.timing

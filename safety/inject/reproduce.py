@@ -16,7 +16,7 @@ from safety.inject.classes import CELLS
 from safety.inject.engine import NEVER, NONE, Batch
 from safety.inject.judging import judge, onset_frames
 from safety.inject.shrink import Acting, Candidate, shrink
-from safety.inject.space import CampaignError, Injection, check_schedule, identify, window
+from safety.inject.space import JOINT, CampaignError, Injection, check_schedule, identify, window
 from safety.system import ModelError
 
 if TYPE_CHECKING:
@@ -101,8 +101,8 @@ def _lasting(fault: Fault, first: int, end: int, steps: int) -> Fault:
 
 def _made(campaign: Campaign, faults: tuple[Fault, ...], places: tuple[int, ...], scenario: int) -> Injection:
     space = campaign.space
-    group = " & ".join(dict.fromkeys(space.groups[space.of_group[place]].name for place in places))
-    name = " & ".join(map(identify, faults)) + (f" in scenario {scenario}" if space.scenarios > 1 else "")
+    group = JOINT.join(dict.fromkeys(space.groups[space.of_group[place]].name for place in places))
+    name = JOINT.join(map(identify, faults)) + (f" in scenario {scenario}" if space.scenarios > 1 else "")
     return Injection(name, faults, group, places, scenario)
 
 
@@ -151,7 +151,7 @@ _WHEN = re.compile(rf"(.*?)(?: from step (\d+)|, ({TRANSIENT}|{INTERMITTENT}) at
 def _parts(key: str, places: dict[str, int]) -> list[str]:
     """The faults of an id; the sign between them may also stand within a name."""
     parts: list[str] = []
-    for piece in key.split(" & "):
+    for piece in key.split(JOINT):
         whole = f"{parts[-1]} & {piece}" if parts else piece
         if parts and _named(parts[-1]) not in places:
             parts[-1] = whole

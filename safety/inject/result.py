@@ -172,10 +172,7 @@ class Result:
         return estimate(self, cells, [cell for cell in CELLS if cell not in cells])
 
     def weighted(self, *, safe_too: bool = False) -> Share | None:
-        """Diagnostic coverage (`safe_too`: safe failure fraction) weighted by failure rates; None without rates.
-
-        Raises `CampaignError` when only some groups have a rate, one has the rate 0, or a sample has none of a group.
-        """
+        """Diagnostic coverage (`safe_too`: safe failure fraction) weighted by failure rates; None without rates."""
         return by_rate(self, GOOD["safe_failure_fraction" if safe_too else "diagnostic_coverage"], ["wrong/no"])
 
     # --- as declared -----------------------------------------------------------------------------------------------

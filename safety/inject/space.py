@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from safety.inject.ranks import Positions
 
 Faults = Callable[[System], list[Fault]]
+JOINT = " & "  # between the names of an id
 
 
 class CampaignError(ModelError):
@@ -212,7 +213,7 @@ class Space:
         for _ in range(self.order):
             key, group = divmod(key, len(self.groups))
             names.append(self.groups[group].name)
-        return " & ".join(dict.fromkeys(reversed(names)))
+        return JOINT.join(dict.fromkeys(reversed(names)))
 
     # --- one at a time -------------------------------------------------------------------------------------------
 
@@ -226,8 +227,8 @@ class Space:
         if self.onsets is not None:
             faults = [scheduled(fault, self.onsets[int(positions[0]) % self.times], self.length) for fault in faults]
         scenario = int(positions[0]) // self.in_a_scenario
-        group = " & ".join(dict.fromkeys(self.groups[self.of_group[place]].name for place in places))
-        name = " & ".join(identify(fault) for fault in faults)
+        group = JOINT.join(dict.fromkeys(self.groups[self.of_group[place]].name for place in places))
+        name = JOINT.join(identify(fault) for fault in faults)
         return Injection(self._in_scenario(name, scenario), tuple(faults), group, places, scenario)
 
     def _in_scenario(self, name: str, scenario: int) -> str:
@@ -265,8 +266,8 @@ class Space:
         if self.scenarios > 1:
             key, _, last = key.rpartition(" in scenario ")
             scenario = int(last) if last.isdecimal() and int(last) < self.scenarios else -1
-        for names in _divided(key.split(" & "), self.order):
-            told = [_without_onset(name) if self.onsets is not None else (name, 0) for name in names]
+        for names in _divided(key.split(JOINT), self.order):
+            told = [without_onset(name) if self.onsets is not None else (name, 0) for name in names]
             places = [self._place.get(name, -1) for name, _ in told]
             if scenario < 0 or -1 in places or any(a >= b for a, b in pairwise(places)):
                 continue
@@ -284,17 +285,18 @@ class Space:
 def _divided(parts: list[str], number: int) -> Iterator[list[str]]:
     """All ways to put parts together again into so many names."""
     if number == 1:
-        yield [" & ".join(parts)]
+        yield [JOINT.join(parts)]
         return
     for k in range(1, len(parts) - number + 2):
         for others in _divided(parts[k:], number - 1):
-            yield [" & ".join(parts[:k]), *others]
+            yield [JOINT.join(parts[:k]), *others]
 
 
 _ONSET = re.compile(r"(.*)(?: from step |, transient at )(\d+)(?: for \d+)?", re.DOTALL)
 
 
-def _without_onset(name: str) -> tuple[str, int]:
+def without_onset(name: str) -> tuple[str, int]:
+    """A name without the onset that an id gives it, and that step; -1 where it has none."""
     found = _ONSET.fullmatch(name)
     return (found[1], int(found[2])) if found else (name, -1)
 

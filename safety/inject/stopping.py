@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any, cast
 from safety.inject.classes import CELLS, Tally
 from safety.inject.figures import GOOD, good
 from safety.inject.figures import count as behind
-from safety.inject.fmeda import Row, Total, rated
+from safety.inject.fmeda import rated
 from safety.inject.space import CampaignError, Space
 from safety.inject.statistics import StopWhenSure
 from safety.system import nearest
@@ -100,11 +100,11 @@ def _weights(campaign: Campaign) -> list[float]:
     """The part of the failure rate that each group has."""
     if campaign.order != 1:
         raise CampaignError(f"{campaign.id}: by_rate is for single faults; pairs and triples have no rate of their own")
-    rows = [Row(group, None, Tally({})) for group in campaign.space.groups]
-    if not rated(rows, campaign.id):
+    groups = campaign.space.groups
+    if not rated(groups, campaign.id):
         raise CampaignError(f"{campaign.id}: by_rate, but no group has a failure rate; give each its rate_per_h")
-    whole = Total("equipment", tuple(rows)).rate
-    return [float(cast(Fraction, row.rate) / cast(Fraction, whole)) for row in rows]
+    rates = [cast(Fraction, group.rate_per_h) for group in groups]
+    return [float(rate / sum(rates)) for rate in rates]
 
 
 def _draw(space: Space, weights: list[float] | None, number: int, rng: np.random.Generator) -> Positions:

@@ -118,13 +118,15 @@ def _parameters(found: Result | Sequence[Row], rows: Sequence[Row]) -> Iterator[
 
 def _sheet(book: Any, title: str, heading: Sequence[str], lines: Iterable[Iterable[Any]]) -> None:
     from openpyxl.cell import WriteOnlyCell
+    from openpyxl.cell.cell import ILLEGAL_CHARACTERS_RE
     from openpyxl.styles import Font
 
     sheet = book.create_sheet(title)
     for place, line in enumerate((heading, *lines)):
         cells = []
         for value in line:
-            cell = WriteOnlyCell(sheet, value)
+            plain = ILLEGAL_CHARACTERS_RE.sub(_visible, value) if isinstance(value, str) else value
+            cell = WriteOnlyCell(sheet, plain)
             if isinstance(value, str):
                 cell.data_type = "s"  # a text that starts with "=" is a text
             cell.font = Font(bold=place == 0)
@@ -132,6 +134,11 @@ def _sheet(book: Any, title: str, heading: Sequence[str], lines: Iterable[Iterab
         sheet.append(cells)
     sheet.freeze_panes = "A2"
     sheet.auto_filter.ref = sheet.dimensions
+
+
+def _visible(control: re.Match[str]) -> str:
+    """A control character as it is written in Python: a workbook has none."""
+    return f"\\x{ord(control[0]):02x}"
 
 
 def _timeless(data: bytes) -> bytes:

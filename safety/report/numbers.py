@@ -65,6 +65,11 @@ def clean(text: str) -> str:
     return re.sub("[\x00-\x08\x0b\x0c\x0e-\x1f\x7f\ud800-\udfff\ufffe\uffff]", "\ufffd", text)
 
 
+def one_line(text: str) -> str:
+    """The same on one line of a terminal, which obeys further characters: those become U+FFFD, too."""
+    return re.sub("[\x80-\x9f\u2028\u2029]", "\ufffd", re.sub("[\n\r\t]", " ", clean(text)))
+
+
 def _grouped(digits: str) -> str:
     sign, digits = ("−", digits[1:]) if digits.startswith("-") else ("", digits)
     return sign + (f"{int(digits):,}".replace(",", "\u202f") if len(digits) > 4 else digits)

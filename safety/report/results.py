@@ -166,7 +166,17 @@ def write_text(path: Path, text: str) -> None:
 
 
 def write_bytes(path: Path, content: bytes) -> None:
-    """The same for any file; a pipe or a device cannot be replaced, only written."""
+    """The same for any file; a pipe or a device cannot be replaced, only written.
+
+    Raises `OSError` with the name of the file, on a full disk too.
+    """
+    try:
+        _write(path, content)
+    except OSError as error:
+        raise OSError(error.errno, error.strerror, str(path)) from error
+
+
+def _write(path: Path, content: bytes) -> None:
     if path.exists() and not path.is_file():
         path.write_bytes(content)
         return

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import re
 import shlex
 from collections.abc import Iterator, Mapping
 from typing import Any, NamedTuple
@@ -23,6 +24,7 @@ SCHEMA = "https://docs.oasis-open.org/sarif/sarif/v2.1.0/errata01/os/schemas/sar
 MOST = 5000  # results of a campaign; what is left out is said
 FINGERPRINT = "rightside/v1"
 ROOT = "%SRCROOT%"
+_CHANGED = re.compile(r"(.*): \d+ (.+) before, \d+ now", re.DOTALL)  # a change of a fault, see `safety.inject.baseline`
 
 RULES = {
     "dangerous-undetected": "A fault leads to the wrong side and nothing detects it",
@@ -41,6 +43,7 @@ class Finding(NamedTuple):
     text: str
     replay: str = ""
     state: str = ""  # new, unchanged or absent where there is a baseline
+    aspect: str = ""  # what of the subject, where there may be several
 
 
 def sarif(results: Results) -> str:
@@ -53,6 +56,9 @@ def sarif(results: Results) -> str:
         left_out = max(len(findings) - MOST, 0) + max(entry.get("replay_of", 0) - len(entry.get("replay", ())), 0)
         if left_out:
             notes.append(_note(f"{entry['id']}: up to {left_out} more results are left out", "warning"))
+        target = entry.get("target_coverage") or {}
+        if target.get("met", True) is None:
+            notes.append(_note(f"{entry['id']}: {target['told']}", "warning"))
         if entry.get("error"):
             notes.append(_note(f"{entry['id']}: {entry['error']}", "error"))
     whole = not (results.get("interrupted") or any(note["level"] == "error" for note in notes))
@@ -86,13 +92,15 @@ def _findings(entry: Entry) -> Iterator[Finding]:
         text = f"{injection} was detected, and is {now.replace('_', ' ')} now."
         yield Finding("lost-detection", injection, text, f"{entry['id']}::{injection}", "new")
     for what, injection in baseline.get("unclear", {}).items():
-        yield Finding("changed-set", what.partition(": ")[0], f"{what}.", f"{entry['id']}::{injection}", "new")
+        told = _CHANGED.fullmatch(what)
+        fault, of = told.groups() if told else (what, "")
+        yield Finding("changed-set", fault, f"{what}.", f"{entry['id']}::{injection}", "new", of)
     target = entry.get("target_coverage") or {}
     if target.get("met") is False:
         yield Finding("coverage-below-target", entry["id"], f"{target['told']}.")
-    told = {*baseline.get("told", ()), target.get("told")}
-    declared = [text for text in entry.get("surprises", ()) if text not in told]
-    if declared or (entry.get("as_expected") is False and not (told - {None})):
+    elsewhere = {*baseline.get("told", ()), target.get("told")}
+    declared = [text for text in entry.get("surprises", ()) if text not in elsewhere]
+    if declared or (entry.get("as_expected") is False and not (elsewhere - {None})):
         yield Finding("not-as-declared", entry["id"], f"{'; '.join(declared) or standing('campaigns', entry).reason}.")
 
 
@@ -105,7 +113,7 @@ def _result(entry: Entry, finding: Finding) -> dict[str, Any]:
         "level": "error",
         "message": {"text": clean(f"{entry['id']}: {finding.text}{replay}")},
         "locations": [_location(entry, finding)],
-        "partialFingerprints": {FINGERPRINT: _fingerprint(finding.rule, entry["id"], finding.subject)},
+        "partialFingerprints": {FINGERPRINT: _fingerprint(entry, finding)},
     }
     if finding.state:
         found["baselineState"] = finding.state
@@ -124,8 +132,9 @@ def _location(entry: Entry, finding: Finding) -> dict[str, Any]:
     return location
 
 
-def _fingerprint(*parts: str) -> str:
-    return hashlib.sha256("\0".join(clean(part) for part in parts).encode()).hexdigest()
+def _fingerprint(entry: Entry, finding: Finding) -> str:
+    parts = filter(None, (finding.rule, entry["id"], finding.subject, finding.aspect))
+    return hashlib.sha256("\0".join(parts).encode("utf-8", "surrogatepass")).hexdigest()
 
 
 def _driver(results: Results) -> dict[str, Any]:

@@ -214,10 +214,13 @@ class Reproducer(TypedDict, total=False):
 
 
 class Aim(TypedDict, total=False):
-    """A target of the diagnostic coverage, an exact share, and whether its lower bound reaches it."""
+    """A target of the diagnostic coverage, an exact share, and whether its lower bound reaches it.
+
+    `met` is None for a sample without a dangerous injection, which says nothing of the coverage.
+    """
 
     target: Required[str]
-    met: Required[bool]
+    met: Required[bool | None]
     told: Required[str]
 
 

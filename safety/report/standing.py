@@ -103,6 +103,9 @@ def _campaign(entry: Entry) -> Standing:
     contradictions = (entry.get("closure") or {}).get("contradictions")
     if contradictions:
         return Standing(DISAGREE, f"proof and simulation contradict each other: {'; '.join(contradictions)}")
+    target = entry.get("target_coverage") or {}
+    if target.get("met", True) is None:
+        return Standing(UNDECIDED, target["told"])
     if not entry["exhaustive"] and entry.get("expect", {}).get("exhaustive", True):
         return Standing(WEAKER, f"a sample of {entry['injections']} injections, expected all")
     return Standing(AS_ASKED)

@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Iterator, Mapping
 from typing import Any, NamedTuple, TextIO
 
-from safety.report.numbers import clean, exact_text
+from safety.report.numbers import exact_text, one_line
 from safety.report.sarif import replay_command
 from safety.report.schema import JUDGED, Entry
 from safety.report.standing import WORDS, WORST_FIRST, exit_code, judge
@@ -60,7 +60,7 @@ def _unexpected(results: Mapping[str, Any]) -> Iterator[Line]:
             yield from changed_cells(entry)
         surprises = entry.get("surprises") or ()
         if len(surprises) > 1 or entry.get("baseline"):
-            yield from (Line(f"    {_flat(text)}") for text in surprises)  # in full: a command in it is to be copied
+            yield from (Line(f"    {one_line(text)}") for text in surprises)  # in full: a command in it is to be copied
         yield Line("")
     if len(off) > UNEXPECTED:
         yield Line(f"  and {len(off) - UNEXPECTED} more results that are not as asked", "red")
@@ -89,7 +89,7 @@ def changed_cells(claim: Entry) -> Iterator[Line]:
     widths = [max(len(_cell(texts[n])) for texts in [heads, *(cells for _, cells in rows)]) for n in range(len(heads))]
     for name, texts in [("tick", heads), *rows]:
         cells = "  ".join(_cell(text).rjust(width) for text, width in zip(texts, widths, strict=True))
-        yield Line(f"    {_flat(name):<{label}}  {cells}", "bold" if name == "tick" else "")
+        yield Line(f"    {one_line(name):<{label}}  {cells}", "bold" if name == "tick" else "")
     notes = [_many(len(table.rows) - SIGNALS, "more signal")] * (len(table.rows) > SIGNALS)
     notes += [f"{_many(table.left_out, 'earlier change')} after tick {table.ticks[0]}"] * bool(table.left_out)
     if table.violated is not None:
@@ -107,10 +107,10 @@ def _point(claim: Entry) -> Iterator[Line]:
     values = counterexample["values"]
     label = max(map(len, ["exceeded", *values]))
     for name, text in values.items():
-        yield Line(f"    {_flat(name):<{label}}  {_flat(text)}")
+        yield Line(f"    {one_line(name):<{label}}  {one_line(text)}")
     if counterexample.get("value"):
         value, limit = exact_text(counterexample["value"]), exact_text(claim.get("limit"))
-        yield Line(_flat(f"    {'exceeded':<{label}}  {value}, limit {limit}"), "red")
+        yield Line(one_line(f"    {'exceeded':<{label}}  {value}, limit {limit}"), "red")
     if counterexample.get("replay"):
         yield Line(_fit(f"    next    {counterexample['replay']}"))
 
@@ -135,11 +135,11 @@ def _counts(results: Mapping[str, Any]) -> Iterator[Line]:
             yield from (Line(_fit(f"    does not count: {text}")) for text in campaign["closure"]["open"])
         baseline = campaign.get("baseline") or {}
         if baseline.get("better"):
-            yield Line(_flat(f"    better than {baseline['file']}: {'; '.join(baseline['better'])}"), "green")
-            yield Line(_flat(f"    `rightside inject --write-baseline {baseline['file']}` keeps it"))
+            yield Line(one_line(f"    better than {baseline['file']}: {'; '.join(baseline['better'])}"), "green")
+            yield Line(one_line(f"    `rightside inject --write-baseline {baseline['file']}` keeps it"))
         for one in campaign.get("reproducers") or ():
             command = replay_command(f"{campaign['id']}::{one['injection']}")
-            yield Line(_flat(f"    minimal reproducer of {one['of']}: {command}"))
+            yield Line(one_line(f"    minimal reproducer of {one['of']}: {command}"))
     others = [_many(len(results[section]), section.removesuffix("s")) for section in JUDGED[2:] if results.get(section)]
     if others:
         yield Line(", ".join(others))
@@ -152,12 +152,8 @@ def _many(count: int, noun: str) -> str:
 
 
 def _fit(text: str) -> str:
-    text = _flat(text)
+    text = one_line(text)
     return text if len(text) <= WIDTH else text[: WIDTH - 3] + "..."
-
-
-def _flat(text: str) -> str:
-    return clean(text).translate(dict.fromkeys(map(ord, "\n\r\t"), " "))
 
 
 def _tail(text: str, room: int) -> str:
@@ -165,4 +161,4 @@ def _tail(text: str, room: int) -> str:
 
 
 def _cell(text: str) -> str:
-    return _tail(_flat(text), 12)
+    return _tail(one_line(text), 12)

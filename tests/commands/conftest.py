@@ -5,7 +5,7 @@ import os
 import subprocess
 import sys
 import textwrap
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 from importlib.metadata import entry_points
 from pathlib import Path
@@ -13,12 +13,8 @@ from typing import Any
 
 import pytest
 
-import safety.inject.campaign
-import safety.prove.bounds.claims
-import safety.prove.claims
-import safety.prove.hazards
-import safety.rates.claims
 from safety.commands import main
+from tests.apart import forget
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -108,8 +104,6 @@ FILES = {
     "proofs/counter_rate.py": RATE,
 }
 
-REGISTRIES = (safety.prove.claims, safety.prove.bounds.claims, safety.prove.hazards, safety.inject.campaign)
-
 
 @dataclass
 class Called:
@@ -144,37 +138,13 @@ def whole(project: Path) -> Path:
     return project
 
 
-def ours() -> dict[str, Any]:
-    return {name: module for name, module in sys.modules.items() if name.partition(".")[0] in ("models", "proofs")}
-
-
 @pytest.fixture
-def apart(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
-    """Models and proofs of this process's other tests stay as they are."""
-    before, path = ours(), list(sys.path)
-    for home in REGISTRIES:
-        monkeypatch.setattr(home, "_registry", {})
-    monkeypatch.setattr(safety.rates.claims, "_declared", {})
-    monkeypatch.setattr(safety.rates.claims, "_places", {})
-    yield
-    for name in ours():
-        del sys.modules[name]
-    sys.modules.update(before)
-    sys.path[:] = path
-
-
-@pytest.fixture
-def run(project: Path, apart: None, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]) -> Run:
+def run(project: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]) -> Run:
     """Call `rightside` with these words in the project's folder."""
     monkeypatch.chdir(project)
 
     def call(*words: str) -> Called:
-        for name in ours():
-            del sys.modules[name]
-        for registry in REGISTRIES:
-            registry._registry.clear()
-        safety.rates.claims._declared.clear()
-        safety.rates.claims._places.clear()
+        forget()
         capfd.readouterr()
         code = main(list(words))
         return Called(code, *capfd.readouterr())

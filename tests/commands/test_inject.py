@@ -170,11 +170,26 @@ def test_a_target_of_the_declaration_counts_unless_another_is_given(run: Run, wh
     assert "target_coverage is '4/3'; write a share from 0 to 1 in quotes" in called.err
 
 
-def test_a_target_without_a_dangerous_fault_is_not_met(run: Run, whole: Path) -> None:
+def test_a_target_is_met_where_no_injection_is_dangerous(run: Run, whole: Path) -> None:
     campaign(whole, "< seen.healthy", "< 0 * seen.healthy")
-    called = run("inject", "--target-coverage", "0.1", *HERE)
-    assert called.code == 1
-    assert "diagnostic coverage unknown, target 0.1: no dangerous injection, or unfinished" in called.err
+    called = run("inject", "--target-coverage", "0.1", "--json", "out.json", *HERE)
+    assert called.code == 0, called.err
+    (entry,) = document(whole / "out.json")["campaigns"]
+    told = "no injection is dangerous, target 0.1 met"
+    assert entry["target_coverage"] == {"target": "1/10", "met": True, "told": told}
+
+
+def test_a_sample_without_a_dangerous_injection_decides_no_target(run: Run, whole: Path) -> None:
+    campaign(whole, "< seen.healthy", "< 0 * seen.healthy")
+    campaign(whole, "measured=20", "sample=3, measured=20")
+    called = run("inject", "--target-coverage", "0.1", "--sarif", "out.sarif", "--junit", "out.xml", *HERE)
+    told = "no injection drawn is dangerous, target 0.1 undecided: draw more"
+    assert called.code == 3 and told in called.err
+    assert [failure.get("message") for failure in ET.parse(whole / "out.xml").iter("failure")] == [told]
+    (log,) = document(whole / "out.sarif")["runs"]
+    (note,) = log["invocations"][0]["toolExecutionNotifications"]
+    assert log["results"] == [] and note["message"]["text"] == f"counter_stuck: {told}"
+    assert run("inject", *HERE).code == 0, "without a target, nothing is left open"
 
 
 # --- stores ----------------------------------------------------------------------------------------------------------
@@ -197,6 +212,17 @@ def test_what_is_kept_is_not_run_again(run: Run, baseline: Path, monkeypatch: py
     assert run("inject", *HERE).code == 70
 
 
+def test_a_merge_of_other_shards_injects_nothing(run: Run, whole: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    assert run("inject", "--store", "s1", "--executor", "serial").code == 0
+    text = (whole / "proofs/counter_campaign.py").read_text()
+    put(whole, "proofs/other_campaign.py", text.replace("counter_stuck", "other").replace("=20", "=19"))
+    monkeypatch.setattr("safety.inject.campaign.judged", lambda *_: 1 / 0)
+    called = run("inject", "--store", "all", "--merge", "s1", "--executor", "serial")
+    assert called.code == 2, called.err
+    assert "no shard of other is there to merge: give the stores of parts" in called.err
+    assert run("inject", "-k", "counter_stuck", "--store", "all", "--merge", "s1", "--executor", "serial").code == 0
+
+
 def free_port() -> int:
     with socket.socket() as one:
         one.bind(("127.0.0.1", 0))
@@ -212,9 +238,24 @@ def free_port() -> int:
         (["--executor", "dask://nowhere"], "write dask://HOST:PORT"),
         (["--store", "models/counter.py"], "models/counter.py"),
         (["--merge", "none"], "none: no such folder"),
-        (["--shard", "1/2", "--write-baseline", "b.json"], "--write-baseline with --shard would keep a part"),
+        (["--shard", "1/2", "--write-baseline", "b.json"], "--write-baseline needs the whole campaign, --shard 1/2"),
+        (["--shard", "1/2", "--baseline", "b.json"], "make all parts without it, then put them together with --merge"),
+        (["--shard", "1/2", "--target-coverage", "0.9"], "--target-coverage needs the whole campaign"),
+        (["--shard", "1/2", "--sarif", "o"], "--sarif needs the whole campaign"),
+        (["--shard", "1/2", "--junit", "o"], "--junit needs the whole campaign"),
+        (["--shard", "1/2", "--csv", "o"], "--csv needs the whole campaign"),
         (["--baseline", "none.json"], "none.json: cannot be read"),
         (["--baseline", "b.json", "--write-baseline", "b.json"], "compare first, then accept"),
+        (["--baseline", "b.json", "--write-baseline", "./b.json"], "compare first, then accept"),
+        (["--baseline", "b.json", "--sarif", "models/../b.json"], "--baseline and --sarif are both models/../b.json"),
+        (["--sarif", "o", "--json", "./o"], "--sarif and --json are both ./o; give each a file of its own"),
+        (["--junit", "o", "--csv", "o"], "--junit and --csv are both o"),
+        (["--sarif", "-"], "--sarif -: only --json goes to stdout"),
+        (["--write-baseline", "-"], "--write-baseline -: only --json goes to stdout"),
+        (["--baseline", ""], "--baseline is empty; write its value, or leave it out"),
+        (["--json", ""], "--json is empty"),
+        (["--merge", ""], "--merge is empty"),
+        (["--timeout", "5"], "unrecognized arguments: --timeout"),
         (["--target-coverage", "counter=0.9"], "no campaign 'counter'; did you mean counter_stuck"),
         (["--target-coverage", "1.5"], "give a share"),
         (["--shrink", "-1"], "--shrink"),
@@ -277,6 +318,16 @@ def test_progress_tells_rate_and_time_left() -> None:
     tell(0.25, 0.5)
     tell(0.0, 0.0)
     assert told == ["25%, 500\u202f000/s, 2 s left", "0%, 0/s, 0 s left"]
+
+
+def test_a_name_of_several_lines_stays_in_its_row(run: Run, whole: Path) -> None:
+    groups = 'faults=[Group("a", stuck_bits("seen"), part="two\\nlines\\x1b[2J"), Group("b", stuck_bits("alarm.out"))]'
+    campaign(whole, 'faults=stuck_bits("seen", "alarm.out")', groups)
+    campaign(whole, "import Campaign", "import Campaign, Group")
+    called = run("inject", *HERE)
+    assert called.code == 0, called.err
+    assert len(called.out.splitlines()) == 4
+    assert "two lines\ufffd[2J" in called.out and "\x1b" not in called.out
 
 
 def test_examples_of_the_help_can_be_given(called_examples: list[Called]) -> None:

@@ -7,6 +7,7 @@ import json
 import subprocess
 import sys
 from collections.abc import Callable
+from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +17,7 @@ import pytest
 from safety.faults import ANY_TIME, TRANSIENT, Fault, flip
 from safety.inject import Campaign, CampaignError, Counts, Group, Judged, campaigns, running, stuck_bits, write_csv
 from safety.inject import classes as classes_module
+from safety.inject.effects import with_rates
 from safety.report.schema import Campaign as Entry
 from safety.report.standing import standing
 
@@ -107,6 +109,10 @@ def test_a_run_on_both_sides_is_wrong(campaign: Make) -> None:
         ({"expect": {"detcted": 1}}, "expect names 'detcted'; did you mean detected"),
         ({"faults": [Group("g", stuck_bits("lit")), Fault(flip(), ["lit"])]}, "groups or faults, not both"),
         ({"faults": []}, "no fault"),
+        (
+            {"hazard": "lit", "wrong_side": None, "detected": None, "detectors": {"": "alarm"}},
+            "a detector's label is empty",
+        ),
         ({"constant": {"rnu": True}}, "no input 'rnu'; did you mean run"),
         ({"constant": {"run": 3}}, "input run is bit: 3 is not a value"),
         ({"stimulus": {}}, "frame 0 lacks the input run"),
@@ -162,6 +168,32 @@ def test_a_mode_without_weight_fails(campaign: Make) -> None:
 def test_a_sample_without_a_rated_group_fails(campaign: Make) -> None:
     with pytest.raises(CampaignError, match="the sample has no fault of group 'lamp', which has a rate"):
         campaign(faults=rated(), sample=1, seed=0).run()
+
+
+@pytest.mark.parametrize("changes", [{"faults": rated(None)}, {"faults": rated("0")}, {"sample": 1}])
+def test_rates_that_cannot_weigh_are_refused_before_the_run(
+    campaign: Make, changes: dict[str, Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(Campaign, "judged", lambda *_: pytest.fail("it was run"))
+    with pytest.raises(CampaignError, match="timer: .*group 'lamp'"):
+        campaign(**{"faults": rated(), **changes}).inject()
+
+
+def test_a_text_that_looks_like_a_formula_is_a_text_in_the_table(campaign: Make, tmp_path: Path) -> None:
+    harmful = ["=1+1", "+5 V", "-5 V", "@SUM(A1)", "\tx", "plain=1", "'quoted"]
+    groups = [
+        Group(text, stuck_bits(point), text, f"{text} lost", "1e-8", "[A] invented")
+        for text, point in zip(harmful, ("count", "lit", "run", "alarm", "sum", "still"), strict=False)
+    ]
+    write_csv(campaign(faults=groups).inject().rows, tmp_path / "fmeda.csv")
+    with (tmp_path / "fmeda.csv").open(encoding="utf-8", newline="") as file:
+        found = list(csv.DictReader(file))
+    assert [row["part"] for row in found] == ["'=1+1", "'+5 V", "'-5 V", "'@SUM(A1)", "'\tx", "plain=1"]
+    assert found[0]["mode"] == "'=1+1 lost" and float(found[0]["rate_per_h"]) == 1e-8
+    bare = [Group(g.name, g.faults, g.part, g.mode) for g in groups if g.name != "\tx"]
+    lines = (tmp_path / "fmeda.csv").read_text(encoding="utf-8").splitlines(keepends=True)
+    (tmp_path / "rates.csv").write_text("".join(line for line in lines if "\t" not in line), encoding="utf-8")
+    assert [g.rate_per_h for g in with_rates(bare, tmp_path / "rates.csv")] == [Fraction("1e-8")] * 5
 
 
 def test_the_table_is_written_as_csv(campaign: Make, tmp_path: Path) -> None:

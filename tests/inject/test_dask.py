@@ -20,19 +20,21 @@ pytest.importorskip("distributed", reason="Dask is not installed: pip install ri
 class LocalCluster:
     """A scheduler and two workers, each a process."""
 
-    def __init__(self, root: Path) -> None:
-        self.root, self.file = root, root / "scheduler.json"
+    def __init__(self, root: Path, workers: int = 2, without: str = "") -> None:
+        self.root, self.file, self.without = root, root / "scheduler.json", without
         self.scheduler = self._start("dask_scheduler", "--port", "0")
-        self.workers = [self._start("dask_worker", "--no-nanny", "--nthreads", "1") for _ in range(2)]
+        self.workers = [self._start("dask_worker", "--no-nanny", "--nthreads", "1") for _ in range(workers)]
         timer.until(lambda: self.file.exists() and self.file.read_text())
         address = json.loads(self.file.read_text())["address"]
         self.address = address.replace("tcp://", "dask://")
 
     def _start(self, what: str, *options: str) -> subprocess.Popen[bytes]:
+        path = {"PYTHONPATH": str(self.root / "bare")} if what == self.without else {}
+        environment = timer.environment(self.root) | path
         quiet = ("--host", "127.0.0.1", "--no-dashboard", "--scheduler-file", str(self.file))
         return subprocess.Popen(
             [sys.executable, "-m", f"distributed.cli.{what}", *quiet, *options],
-            cwd=self.root, env=timer.environment(self.root), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+            cwd=self.root, env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
         )  # fmt: skip
 
     def end(self) -> None:
@@ -80,3 +82,16 @@ def test_a_cluster_survives_its_workers_and_a_campaign_its_cluster(root: Path, c
     there = timer.files(stored.folder)
     assert len(there) > 13 and there.items() <= whole.items(), "what was done is kept"
     assert timer.files(timer.whole(root, root / "store").folder) == whole, "and the rest is made elsewhere"
+
+
+@pytest.mark.parametrize(("without", "named"), [("dask_scheduler", "the scheduler"), ("dask_worker", "the worker")])
+def test_a_machine_without_the_package_is_named(root: Path, without: str, named: str) -> None:
+    (root / "bare/safety").mkdir(parents=True)
+    (root / "bare/safety/__init__.py").write_text("")  # stands before the one that is installed
+    there = LocalCluster(root, workers=1, without=without)
+    try:
+        with pytest.raises(StoreError, match=f"{named} .* does not find the package safety of rightside") as caught:
+            run(root, there, lambda: None)
+        assert caught.value.exit_code == 2
+    finally:
+        there.end()

@@ -10,6 +10,7 @@ from typing import Any
 
 import pytest
 
+from safety.faults import Fault, stuck
 from safety.inject import CampaignError, Group, stuck_bits
 from safety.inject.fmeda import COLUMNS, records
 from safety.inject.workbook import MOST_NAMED, injections_behind, write_xlsx
@@ -48,6 +49,15 @@ def test_the_workbook_says_what_the_result_says(campaign: Make, tmp_path: Path) 
     parameters = {line[0]: line[1:] for line in found["Parameters"]}
     assert parameters["rate of counter: =bit stuck, 1/h"] == (8e-8, "A", "[A] invented")
     assert parameters["campaign"][0] == "timer" and parameters["all injected"][0] == "yes"
+
+
+def test_control_characters_are_written_out(campaign: Make, tmp_path: Path) -> None:
+    bell = Fault(stuck(0), ["lit"], name="lamp\x07 off")
+    group = Group("lamp", [bell], "driver\x00", "stuck\x1f\tlow", "2e-8", "[P] list \x0b")
+    write_xlsx(campaign(faults=[group]).inject(), tmp_path / "table.xlsx")
+    found = sheets(tmp_path / "table.xlsx")
+    assert found["FMEDA"][1][:2] == ("driver\\x00", "stuck\\x1f\tlow") and found["FMEDA"][1][-1] == "[P] list \\x0b"
+    assert found["Traceability"][1][-1] == "timer::lamp\\x07 off"
 
 
 def test_every_figure_is_traced_to_its_injections(campaign: Make, tmp_path: Path) -> None:

@@ -182,7 +182,7 @@ def test_a_window_off_by_one_is_found_by_the_comparison(campaign: Make) -> None:
     ("fault", "message"),
     [
         (Fault(stuck(1), ["lit"], ANY_TIME, at=96), r"begins at step 96, outside the run \(0 to 95\)"),
-        (Fault(flip(), ["lit"], TRANSIENT, at=-1, ticks=1), "begins at step -1"),
+        (Fault(flip(), ["lit"], TRANSIENT, at=99, ticks=1), "begins at step 99"),
         (Fault(flip(), ["lti"]), "no point 'lti'; did you mean lit"),
         (Fault(missing(), ["count"]), "does not apply to count"),
     ],

@@ -81,9 +81,9 @@ def test_a_store_without_the_campaign_is_told(whole: Stored, tmp_path: Path) -> 
     (other / "models" / "timer.py").write_text(timer.MODEL.replace("total >= 8", "total >= 9"))
     timer.whole(other, tmp_path / "others")
     said: list[str] = []
-    stored = merged(whole, [tmp_path / "others"], tmp_path / "store", said.append)
-    assert stored.made == 0
-    assert said[:1] == [f"{tmp_path / 'others'} holds no shard of timer as it stands (key {whole.key[:12]})"]
+    with pytest.raises(StoreError, match="no shard of timer is there to merge"):
+        merged(whole, [tmp_path / "others"], tmp_path / "store", said.append)
+    assert said == [f"{tmp_path / 'others'} holds no shard of timer as it stands (key {whole.key[:12]})"]
     folder = next(path for path in (tmp_path / "others").iterdir() if path.is_dir())
     with pytest.raises(StoreError, match="is of another campaign"):
         merged(whole, [folder], tmp_path / "store")

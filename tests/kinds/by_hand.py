@@ -236,6 +236,8 @@ def _cases() -> Iterator[Case]:
     yield wire(slow_to_operate(2), while_active(lambda t, acts, g: t >= 2 and all(g[t - 2 : t + 1])))
     yield wire(slow_to_release(2), while_active(lambda t, acts, g: any(g[max(t - 2, 0) : t + 1])))
     yield wire(intermittent(stuck(1), 2, 3), while_active(lambda t, acts, g: g[t] or place(t, acts) % 3 < 2))
+    twice = intermittent(intermittent(stuck(1), 1, 3), 2, 3)
+    yield wire(twice, while_active(lambda t, acts, g: g[t] or place(t, acts) % 3 == 0))
     yield wire(missing(2), _missing(2, None))
     yield wire(missing(1, every=2), _missing(1, 2))
     yield wire(extra(), while_active(lambda t, acts, g: g[t] or place(t, acts) == 0))

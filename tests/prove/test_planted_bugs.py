@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
+import importlib
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
 import pytest
 
-from safety import faults, kinds
+from safety import kinds
+from safety.faults import ANY_TIME
 from safety.prove import claims, induction, problem, prove, search, solve
 from safety.prove.solve import Disagreement
 from safety.system import State
 from safety.terms import bit
 from tests.prove.test_against_enumeration import verdicts
 
+instrument = importlib.import_module("safety.faults.instrument")  # the package has a function of this name
 Plant = Callable[[pytest.MonkeyPatch], None]
 
 invariance, property_obligations, build = induction.invariance, induction.property_obligations, prove.build_problem
@@ -125,22 +128,33 @@ def monitor(name: str, make: Callable[..., Any]) -> Plant:
 
 
 def activity(make: Callable[..., Any]) -> Plant:
-    honest = faults._activity
-    return lambda m: m.setattr(faults, "_activity", lambda fault, i, there: make(fault, *honest(fault, i, there)))
+    """Another answer to whether a fault is present, acts and has acted before."""
+
+    def plant(m: pytest.MonkeyPatch) -> None:
+        honest = instrument._Instrument.activity
+        m.setattr(instrument._Instrument, "activity", lambda self, i, *rest: make(*honest(self, i, *rest)))
+
+    return plant
 
 
 def effects_swapped(m: pytest.MonkeyPatch) -> None:
-    m.setattr(faults, "choose", lambda condition, then, otherwise: kinds.choose(condition, otherwise, then))
+    m.setattr(instrument, "choose", lambda condition, then, otherwise: kinds.choose(condition, otherwise, then))
 
 
 def memory_frozen_too_late(m: pytest.MonkeyPatch) -> None:
     m.setattr(kinds.Seat, "then", lambda self, register, value: None)
 
 
-def once_on_stays_not(fault: Any, active: Any, acted: Any, states: Any, free: Any) -> Any:
-    if fault.onset == faults.ANY_TIME:
-        states = [replace(s, next=s.var) for s in states]
-    return active, acted, states, free
+def once_on_stays_not(m: pytest.MonkeyPatch) -> None:
+    honest = instrument._Instrument.activity
+
+    def forgetful(self: Any, index: int, fault: Any, present: bool | None) -> Any:
+        found = honest(self, index, fault, present)
+        if fault.onset == ANY_TIME:
+            self.states[-1] = replace(self.states[-1], next=self.states[-1].var)
+        return found
+
+    m.setattr(instrument._Instrument, "activity", forgetful)
 
 
 PLANTS: dict[str, Plant] = {
@@ -166,9 +180,9 @@ PLANTS: dict[str, Plant] = {
     "age forgets nothing": monitor("age", lambda s: replace(s, next=s.next.args[1])),
     "previous is true at first": monitor("previous", lambda s: replace(s, power_up=True)),
     "total starts at one": monitor("total", lambda s: replace(s, power_up=1)),
-    "a fault acts though absent": activity(lambda fault, active, acted, s, f: (~active, acted, s, f)),
-    "a fault has acted before": activity(lambda fault, active, acted, s, f: (active, bit(True), s, f)),
-    "a fault goes again": activity(once_on_stays_not),
+    "a fault acts though absent": activity(lambda there, active, acted: (there, ~active, acted)),
+    "a fault has acted before": activity(lambda there, active, acted: (there, active, bit(True))),
+    "a fault goes again": once_on_stays_not,
     "effects swapped": effects_swapped,
     "memory frozen": memory_frozen_too_late,
 }

@@ -44,6 +44,23 @@ def test_what_json_cannot_hold_is_refused(value: Any) -> None:
         dumps(empty() | {"extra": value})
 
 
+def test_a_full_disk_is_told_with_the_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def full(*_: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(os, "replace", full)
+    with pytest.raises(OSError, match="No space left on device: '.*results.json'"):
+        save(empty(), tmp_path / "results.json")
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="there is no device that is always full")
+def test_a_full_device_is_told_by_name() -> None:
+    with pytest.raises(OSError, match="'/dev/full'") as told:
+        save(empty(), Path("/dev/full"))
+    assert told.value.filename == "/dev/full"
+
+
 def test_text_does_not_depend_on_order(sample: Results) -> None:
     turned = {name: value[::-1] if isinstance(value, list) else value for name, value in reversed(sample.items())}
     assert dumps(canonical(turned)) == dumps(canonical(sample) | {"limits": turned["limits"]})

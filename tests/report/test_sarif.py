@@ -121,6 +121,24 @@ def test_fingerprints_differ_between_injections_campaigns_and_rules() -> None:
     assert len(set(prints)) == len(prints) == 6
 
 
+def changed(*told: str) -> list[str]:
+    baseline = COMPARED | {"new": {}, "lost": {}, "unclear": dict.fromkeys(told, "e at 3")}
+    found = results(entry(baseline=baseline))
+    return [one["partialFingerprints"][FINGERPRINT] for one in found if one["ruleId"] == "changed-set"]
+
+
+def test_changes_of_several_faults_or_sets_do_not_hide_one_another() -> None:
+    before = changed(
+        "rail: left: 3 detected before, 2 now", "rail: right: 3 detected before, 2 now",
+        "rail: left: 1 dangerous undetected before, 2 now", "rail: 1 detected before, 2 now",
+        "\x01: 1 detected before, 2 now", "\x02: 1 detected before, 2 now",
+    )  # fmt: skip
+    assert len(set(before)) == 6
+    assert changed("rail: left: 30 detected before, 7 now", "rail: left: 0 dangerous undetected before, 9 now") == [
+        before[0], before[2],
+    ]  # fmt: skip
+
+
 def test_more_than_a_page_takes_is_left_out_aloud(valid: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(module, "MOST", 2)
     found = log(entry("a", "b", "c", "d", baseline=COMPARED | {"new": {"d": "safe"}}))

@@ -39,7 +39,7 @@ class NativeEngine:
     point, `ModelError` for an unknown form, `ImportError` without LLVM.
     """
 
-    name = "native"
+    name, note = "native", ""
 
     def __init__(self, task: Task, *, prune: bool = True, target: Target | None = None, form: str = AUTO) -> None:
         if form not in FORMS:

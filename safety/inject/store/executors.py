@@ -11,12 +11,14 @@ import os
 import socket
 from collections.abc import Callable, Iterator
 from concurrent.futures import Executor, Future
+from importlib.util import find_spec
 from typing import Any, ParamSpec, TypeVar
 
 from safety.inject.store.pool import GoneError, Processes, WorkerDiedError
 from safety.inject.store.shards import StoreError
 
 PATIENCE_S = 5.0  # for the scheduler of a cluster to answer
+NEEDED = "safety.inject.store.running"  # on every machine: what it is given to do
 WAYS = "serial, processes, processes:N, dask://HOST:PORT"
 
 P = ParamSpec("P")
@@ -70,17 +72,35 @@ class Cluster(Executor):
             socket.create_connection((host, int(port)), PATIENCE_S).close()
             client: Any = distributed.Client
             self._client = client(f"tcp://{host}:{port}", timeout=PATIENCE_S, set_as_default=False)
+            answer = self._client.run_on_scheduler(find_spec, NEEDED)
+        except ImportError as error:
+            answer = error
         except (OSError, TimeoutError) as error:
             raise StoreError(
                 f"{address}: no scheduler answers ({error}); start one with `dask scheduler`, or correct the address"
             ) from None
         self._executor = self._client.get_executor(pure=False)
+        self._able: set[str] = set()  # addresses of workers
+        try:
+            _check(f"the scheduler {address}", answer)
+        except StoreError:
+            self.shutdown()
+            raise
 
     @property
     def workers(self) -> int:
-        """Threads of all workers; 1 while there is none yet, so that something waits for the first."""
+        """Threads of all workers; 1 while there is none yet, so that something waits for the first.
+
+        Raises `StoreError` for a worker without this package: given something to do, it would leave without a word.
+        """
         with _there():
-            return sum(self._client.nthreads().values()) or 1
+            threads = self._client.nthreads()
+            if new := threads.keys() - self._able:
+                answers = self._client.run(find_spec, NEEDED, workers=list(new), on_error="return")
+                for address in new:
+                    _check(f"the worker {address}", answers[address])
+                self._able |= new
+            return sum(threads.values()) or 1
 
     def submit(self, function: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> Future[T]:
         """Have some worker call the function."""
@@ -96,6 +116,15 @@ class Cluster(Executor):
         with contextlib.suppress(OSError):
             self._executor.shutdown(wait=False)
             self._client.close()
+
+
+def _check(machine: str, answer: object) -> None:
+    if answer is None or isinstance(answer, ImportError):
+        why = f" ({answer})" if answer else ""
+        raise StoreError(
+            f"{machine} does not find the package safety of rightside{why}: install the same release there, or put it "
+            "on its PYTHONPATH, and start it again"
+        )
 
 
 @contextlib.contextmanager

@@ -182,9 +182,11 @@ def _count(pieces: Iterable[tuple[int, int]]) -> int:
 def merge(campaign: Campaign, folders: Sequence[Path], store: Store) -> Stored:
     """Take the shards of a campaign from other stores, or folders of shards, into a store.
 
-    What is missing then is told, and said by `missing`.  Raises `StoreError` for a folder that does not exist or holds
-    shards of another campaign only, and for ranges that overlap or disagree.
+    What is missing then is told, and said by `missing`; so is a folder without any, where another has some: of a small
+    campaign not every machine makes one.  Raises `StoreError` for a folder that does not exist, where none holds a
+    shard of this campaign, and for ranges that overlap or disagree.
     """
+    some = False
     stored = store.open(campaign, campaign_key(campaign))
     for folder in folders:
         if not folder.is_dir():
@@ -192,10 +194,16 @@ def merge(campaign: Campaign, folders: Sequence[Path], store: Store) -> Stored:
         inner = folder / store.folder(stored.key).name
         place = inner if inner.is_dir() else folder
         found = shards(place, store.note, remove=False)
+        some = some or bool(found)
         if not found:
             store.note(f"{folder} holds no shard of {campaign.id} as it stands (key {stored.key[:12]})")
         for header in found.values():
             stored.add((place / header.name).read_bytes())
+    if folders and not some:
+        raise StoreError(
+            f"no shard of {campaign.id} is there to merge: give the stores of parts that were made from the same files "
+            "and Python, choose other campaigns with -k, or leave --merge out to make them here"
+        )
     if gaps := stored.missing:
         few = ", ".join(f"{gap.start} to {gap.stop - 1}" for gap in gaps[:FEW]) + (", ..." if len(gaps) > FEW else "")
         store.note(f"{campaign.id}: {stored.total - stored.made} of {stored.total} injections are missing: {few}")
