@@ -240,8 +240,8 @@ class Campaign:
 
     @property
     def engine_note(self) -> str:
-        """Why that is not the native one, or nothing."""
-        return next((engine.note for engine in self._engines.values()), "")
+        """Why that is not the native one, or how many runs with reals it left to exact lanes, or nothing."""
+        return next((getattr(engine, "note", "") for engine in self._engines.values()), "")
 
     # --- doing it ----------------------------------------------------------------------------------------------------
 

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 from safety.faults import Fault
 from safety.system import ModelError, System, nearest
-from safety.terms.graph import TermError
+from safety.terms.graph import REAL, TermError, postorder
 
 if TYPE_CHECKING:
     import numpy as np
@@ -122,15 +122,18 @@ class AutoEngine:
     """
 
     def __init__(self, task: Task) -> None:
-        self.task, self.note = task, ""
+        self.task, self._reason = task, ""
         self.tick: Callable[[float], None] = lambda share: None
         self._engine: Engine
         try:
-            from safety.inject.native import NativeEngine
-
-            self._engine = NativeEngine(task)
+            self._engine = native_engine(task)
         except (ImportError, TermError) as reason:
             self._take_lanes(reason)
+
+    @property
+    def note(self) -> str:
+        """Why the lanes are in use, or what the native engine says of its runs."""
+        return self._reason or str(getattr(self._engine, "note", ""))
 
     @property
     def name(self) -> str:
@@ -150,7 +153,7 @@ class AutoEngine:
         try:
             return question(self._engine)
         except TermError as reason:
-            if self.note:
+            if self._reason:
                 raise
             self._take_lanes(reason)
             return question(self._engine)
@@ -160,7 +163,7 @@ class AutoEngine:
 
         lanes = LaneEngine(self.task)
         lanes.tick = lambda share: self.tick(share)
-        self.note = f"NumPy lanes, for the native engine does not take it: {reason}"
+        self._reason = f"NumPy lanes, for the native engine does not take it: {reason}"
         self._engine = lanes
 
 
@@ -179,6 +182,15 @@ def engine_for(task: Task, name: str = AUTO) -> Engine:
         from safety.inject.lanes import LaneEngine
 
         return LaneEngine(task)
+    return native_engine(task)
+
+
+def native_engine(task: Task) -> Engine:
+    """The native engine of a task, that for reals where it has some; raises as `engine_for` does."""
     from safety.inject.native import NativeEngine
 
+    if any(term.sort == REAL for term in postorder([*task.system.roots(), *(s.var for s in task.system.states)])):
+        from safety.inject.native.enclosing import EnclosingEngine
+
+        return EnclosingEngine(task)
     return NativeEngine(task)

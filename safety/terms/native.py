@@ -6,6 +6,7 @@ import re
 from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
+from safety.terms.column_doubles import DOUBLES
 from safety.terms.column_native import bit_of, lane_vector, mask_of, vector, width
 from safety.terms.graph import BIT, Term, TermError, describe, postorder
 from safety.terms.llvm import Library, Target, host
@@ -36,8 +37,8 @@ class Writer:
 
     def call(self, intrinsic: str, kind: str, *args: str) -> str:
         """Write a call of an intrinsic whose arguments and result are of one type; the name of its result."""
-        full = f"@llvm.{intrinsic}.{kind.strip('<>').replace(' x ', '')}"
-        full = re.sub(r"\.(\d+i\d+)$", r".v\1", full)
+        full = f"@llvm.{intrinsic}.{kind.strip('<>').replace(' x ', '').replace('double', 'f64')}"
+        full = re.sub(r"\.(\d+[if]\d+)$", r".v\1", full)
         self.intrinsics.add(f"declare {kind} {full}({', '.join([kind] * len(args))})")
         return self.op(f"call {kind} {full}({', '.join(f'{kind} {a}' for a in args)})")
 
@@ -56,7 +57,8 @@ class Writer:
                 self.names[term.uid] = self.variable(term)
             else:
                 arguments = (self.names[a.uid] for a in term.args)
-                self.names[term.uid] = OPERATIONS[term.op].native(self, term, *arguments)
+                entry = DOUBLES[term.op] if term.op in DOUBLES else OPERATIONS[term.op].native
+                self.names[term.uid] = entry(self, term, *arguments)
 
     def variable(self, term: Term) -> str:
         """Write what binds a variable, at its first use; here only those that have a name already are bound."""

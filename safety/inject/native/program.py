@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -14,6 +15,7 @@ from safety.inject.native.kernel import UNUSED, Kernel
 from safety.inject.native.layout import LINE, lane_bytes
 from safety.inject.native.masking import ENTRY, PACKED, masking
 from safety.inject.native.planes import Planes
+from safety.inject.native.reals import UNDECIDED, enclosed, stimulus_in_doubles
 from safety.inject.native.tapped import Tapped
 from safety.terms.column_bits import size_of
 from safety.terms.graph import BIT, Term
@@ -65,6 +67,11 @@ class Program:
     ) -> None:
         wires = tuple(dict.fromkeys((*task.watch, *task.count)))
         counted = [wires.index(name) for name in task.count]
+        if UNDECIDED in wires:
+            exact, given = system.system, stimulus
+            system = in_doubles = enclosed(system, wires, task.start)
+            task = replace(task, start={})
+            stimulus = lambda: stimulus_in_doubles(exact.inputs, given(), in_doubles.scales)  # noqa: E731
         self.task, self.acts, self._stimulus = task, acts, stimulus
         self.kernel = Kernel(system, wires, len(task.watch), counted, target, recorded)
         if form == SLICED or (form == AUTO and self.kernel.slices_pay):
