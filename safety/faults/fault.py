@@ -41,9 +41,7 @@ class Fault:
         if self.onset == TRANSIENT and (self.ticks is None or self.ticks < 1):
             raise ModelError("a transient fault needs its greatest length: Fault(..., onset=TRANSIENT, ticks=n)")
         if self.onset == INTERMITTENT and self.ticks is not None and self.ticks < 1:
-            raise ModelError(
-                f"an intermittent fault with ticks={self.ticks} never acts; give 1 or more, or none"
-            )
+            raise ModelError(f"an intermittent fault with ticks={self.ticks} never acts; give 1 or more, or none")
         if self.at < 0:
             raise ModelError(f"a fault begins at step 0 or later: at={self.at} is before power-up; choose another `at`")
         if self.onset == FROM_START and self.at:

@@ -241,7 +241,7 @@ class Campaign:
     @property
     def engine_note(self) -> str:
         """Why that is not the native one, or how many runs with reals it left to exact lanes, or nothing."""
-        return next((getattr(engine, "note", "") for engine in self._engines.values()), "")
+        return next((engine.note for engine in self._engines.values()), "")
 
     # --- doing it ----------------------------------------------------------------------------------------------------
 

@@ -101,7 +101,7 @@ class Engine(Protocol):
 
     @property
     def note(self) -> str:
-        """Why it is not the native one, where that was looked for; else nothing."""
+        """What is worth saying about how it ran: why it is not the native one, what was run again; or nothing."""
 
     @property
     def golden(self) -> Outcome:
@@ -133,7 +133,7 @@ class AutoEngine:
     @property
     def note(self) -> str:
         """Why the lanes are in use, or what the native engine says of its runs."""
-        return self._reason or str(getattr(self._engine, "note", ""))
+        return self._reason or self._engine.note
 
     @property
     def name(self) -> str:

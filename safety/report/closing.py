@@ -23,7 +23,8 @@ def settled(entry: Entry, results: Mapping[str, Any]) -> Entry:
     rows, ties = entry["closure"]["faults"], entry["closure"]["tied"]
     harmless = {id_: _harmless(id_, results) for id_ in ties}
     left = {id_: "not proved in these results" for id_, test in harmless.items() if test is None}
-    left |= {id_: "no dangerous run of this campaign that was tried breaks it" for id_, tie in ties.items() if tie is None}
+    untied = "no dangerous run of this campaign that was tried breaks it"
+    left |= {id_: untied for id_, tie in ties.items() if tie is None}
     parts: dict[str, list[Entry]] = {part: [] for part in PARTS}
     contradictions = []
     for row in rows:

@@ -39,7 +39,12 @@ class NativeEngine:
     point, `ModelError` for an unknown form, `ImportError` without LLVM.
     """
 
-    name, note = "native", ""
+    name = "native"
+
+    @property
+    def note(self) -> str:
+        """What is worth saying about how it ran; nothing."""
+        return ""
 
     def __init__(self, task: Task, *, prune: bool = True, target: Target | None = None, form: str = AUTO) -> None:
         if form not in FORMS:
