@@ -102,15 +102,18 @@ def _told(path: str | Path) -> list[int] | None:
 
 
 class Reads:
-    """The files that this process reads, apart from those of Python itself and of this package."""
+    """The files that this process reads, apart from those of Python itself, of this package, and what it has made."""
 
     def __init__(self, project: Path) -> None:
+        from safety.terms import llvm
+
         paths = sysconfig.get_paths()
         passed = [
             paths["stdlib"],
             paths["platstdlib"],
             str(PACKAGE),
             str(project / ".rightside"),
+            os.path.abspath(llvm.home()),  # goes by what it was compiled from
             "/proc",
             "/sys",
             "/dev",

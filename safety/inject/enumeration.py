@@ -42,7 +42,7 @@ def enumerate_space(
     _refuse_repeats([group.name for group in groups], "group")
     _refuse_repeats([identify(fault) for fault in singles], "fault")
     if order > 1:
-        _refuse_ambiguous([identify(fault) for fault in singles])
+        _refuse_ambiguous([identify(fault) for fault in singles], order)
     _check_onsets(singles, onsets, length)
     whole = Space(
         tuple(groups), singles, tuple(k for k, _ in of_group), order, onsets, length, scenarios, None,
@@ -154,23 +154,24 @@ def _refuse_repeats(names: Sequence[str], what: str) -> None:
         seen.add(name)
 
 
-def _refuse_ambiguous(names: Sequence[str]) -> None:
+def _refuse_ambiguous(names: Sequence[str], order: int) -> None:
     """Two lists of names give one id where one goes on after a name of the other, and that ends with one of the first.
 
-    So ` & ` within a name is fine unless both are there: `a`, `b & c` and `a & b`, `c` would both be `a & b & c`.
+    So ` & ` within a name is fine unless both are there: `a`, `b & c` and `a & b`, `c` would both be `a & b & c`.  Of
+    triples more is refused than has to be.
     """
     whole = set(names)
-    parts = {name: name.split(JOINT) for name in names if JOINT in name}
-    longer = [
-        (name, first)
-        for name, given in parts.items()
-        for k in range(1, len(given))
-        for first in {JOINT.join(given[:k]), without_onset(JOINT.join(given[:k]))[0]} & whole
+    cuts = [
+        (name, JOINT.join(parts[:k]), JOINT.join(parts[k:]))
+        for name in names
+        for parts in [name.split(JOINT)]
+        for k in range(1, len(parts))
     ]
-    ends = any(JOINT.join(given[k:]) in whole for given in parts.values() for k in range(1, len(given)))
-    if longer and ends:
-        name, first = longer[0]
-        raise CampaignError(
-            f"fault {name!r} begins with the name of fault {first!r}, so that ids of pairs could mean two; "
-            "give it another name (Fault(..., name=...))"
-        )
+    between = {without_onset(before)[0] for _, before, last in cuts if last in whole}
+    for name, before, after in cuts:
+        firsts = {before, without_onset(before)[0]} & whole
+        if firsts and between and (order > 2 or without_onset(after)[0] in between):
+            raise CampaignError(
+                f"fault {name!r} begins with the name of fault {min(firsts)!r}, so that ids could mean two injections; "
+                "give it another name (Fault(..., name=...))"
+            )

@@ -127,10 +127,15 @@ def _object(machine: Any, text: str) -> bytes:
 # --- what was compiled before --------------------------------------------------------------------------------------
 
 
+def home() -> Path:
+    """Where compiled code is kept."""
+    base = os.environ.get("XDG_CACHE_HOME") or os.path.join(os.path.expanduser("~"), ".cache")
+    return Path(base) / "rightside" / "native"
+
+
 def folder() -> Path | None:
     """The user's own folder of compiled code, made where it is missing; None where there can be none of that kind."""
-    base = os.environ.get("XDG_CACHE_HOME") or os.path.join(os.path.expanduser("~"), ".cache")
-    path = Path(base) / "rightside" / "native"
+    path = home()
     try:
         path.mkdir(mode=0o700, parents=True, exist_ok=True)
         found = path.lstat()

@@ -280,6 +280,23 @@ def test_a_report_is_the_same_with_and_without_earlier_results(run: Run, whole: 
     assert b"cached" not in b"".join(tree(whole / "again").values())
 
 
+@pytest.mark.parametrize("before", ["none", "damaged"])
+def test_compiled_code_is_made_and_not_read(
+    run: Run, whole: Path, tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPatch, before: str
+) -> None:
+    """A campaign looks for its compiled code and leaves it there: no reason to doubt the results."""
+    kept = tmp_path_factory.mktemp("kept")
+    monkeypatch.setenv("XDG_CACHE_HOME", str(kept))
+    if before == "damaged":
+        assert run("verify", "-k", "counter_stuck", "--no-cache").code == 0
+        for path in (kept / "rightside/native").iterdir():
+            path.write_bytes(b"damaged")
+    assert run("verify", "-k", "counter_stuck").code == 0
+    assert any((kept / "rightside/native").iterdir())
+    assert run("verify", "-k", "counter_stuck", "--json", "out.json").code == 0
+    assert [entry.get("cached") for entry in document(whole / "out.json")["campaigns"]] == [True]
+
+
 def test_a_file_read_beside_the_project_counts(prove: Any, project: Path) -> None:
     (project / "limit.txt").write_text("5")
     text = CLAIMS.replace("s.n != 5", 's.n != int(open("limit.txt").read())')

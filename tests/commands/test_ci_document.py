@@ -23,7 +23,7 @@ def test_there_are_commands() -> None:
 def test_a_command_is_taken(run: Run, whole: Path, command: str) -> None:
     words = shlex.split(re.sub(r"\$CI_NODE_INDEX/\$CI_NODE_TOTAL", "2/4", command))[1:]
     run("inject", "--write-baseline", "baseline.json", "--store", "first", "--executor", "serial")
-    (whole / "shards").mkdir()
+    run("inject", "--store", "shards", "--shard", "1/4", "--executor", "serial")
     place = ["--store", "first"] * ("--store" not in words) + ["--executor", "serial"]
     called = run(*words, *place)
     asked = 0 if "--target-coverage" not in words else 1  # the small project detects no dangerous fault

@@ -110,7 +110,7 @@ def test_a_run_on_both_sides_is_wrong(campaign: Make) -> None:
         ({"faults": [Group("g", stuck_bits("lit")), Fault(flip(), ["lit"])]}, "groups or faults, not both"),
         ({"faults": []}, "no fault"),
         (
-            {"hazard": "lit", "wrong_side": None, "detected": None, "detectors": {"": "alarm"}},
+            {"hazard": "lit", "wrong_side": None, "detected": None, "safe_side": None, "detectors": {"": "alarm"}},
             "a detector's label is empty",
         ),
         ({"constant": {"rnu": True}}, "no input 'rnu'; did you mean run"),
@@ -175,7 +175,7 @@ def test_rates_that_cannot_weigh_are_refused_before_the_run(
     campaign: Make, changes: dict[str, Any], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(Campaign, "judged", lambda *_: pytest.fail("it was run"))
-    with pytest.raises(CampaignError, match="timer: .*group 'lamp'"):
+    with pytest.raises(CampaignError, match=r"timer: .*group 'lamp'"):
         campaign(**{"faults": rated(), **changes}).inject()
 
 

@@ -32,6 +32,12 @@ GATED: Results = {
 }  # fmt: skip
 
 
+def test_a_target_that_a_sample_leaves_open_is_undecided() -> None:
+    aim = {"target": "9/10", "met": None, "told": "nothing known"}
+    text = html({"schema": "rightside/1", "campaigns": [GATED | {"target_coverage": aim, "as_expected": True}]})
+    assert '<dd>nothing known <span class="v v-undecided">undecided</span></dd>' in text
+
+
 def test_a_campaign_shows_who_detects_and_what_a_baseline_says() -> None:
     text = html({"schema": "rightside/1", "campaigns": [GATED]})
     Page(text)

@@ -49,7 +49,7 @@ def test_a_full_disk_is_told_with_the_file(tmp_path: Path, monkeypatch: pytest.M
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr(os, "replace", full)
-    with pytest.raises(OSError, match="No space left on device: '.*results.json'"):
+    with pytest.raises(OSError, match=r"No space left on device: '.*results.json'"):
         save(empty(), tmp_path / "results.json")
     assert not list(tmp_path.iterdir())
 
