@@ -12,9 +12,10 @@ from safety.terms.table import OPERATIONS
 
 
 def leaves(term: Term) -> Bits:
-    """Variables for the bits of a variable or a point."""
+    """Variables for the bits of a variable or a point; points of one name are two where their values differ."""
     size = 1 if term.sort == BIT else size_of(term.sort)
-    return tuple(node("var", (), (term.op, term.attr, i), BIT) for i in range(size))
+    value = term.args[0].uid if term.op == "point" else None
+    return tuple(node("var", (), (term.op, term.attr, value, i), BIT) for i in range(size))
 
 
 class Slices:
