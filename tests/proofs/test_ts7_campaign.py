@@ -14,7 +14,7 @@ from dataclasses import replace
 import pytest
 
 from proofs.ts7_campaign import channel_single_stuck, ring_single_stuck
-from safety.inject import CampaignError
+from safety.inject import CampaignError, stuck_bits
 from safety.inject.result import Result
 
 WORDS = (138, 164, 85, 11)
@@ -181,8 +181,9 @@ def test_every_dangerous_undetected_ring_fault_replays(result: Result) -> None:
 @pytest.mark.parametrize(("check_word", "normal"), [(64, False), (65, True), (127, True), (128, False)])
 def test_the_window_is_open_between_64_and_128(check_word: int, normal: bool) -> None:
     declared = replace(
-        ring_single_stuck, id="window", constant={**ring_single_stuck.constant, "d2": check_word}, sample=1, expect=None
-    )
+        ring_single_stuck, id="window", constant={**ring_single_stuck.constant, "d2": check_word},
+        faults=stuck_bits("column"), sample=1, expect=None,
+    )  # fmt: skip
     if normal:
         assert declared.inject().tally.injections == 1
     else:
