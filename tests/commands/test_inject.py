@@ -112,7 +112,7 @@ def test_a_campaign_that_is_gone_is_missed(run: Run, baseline: Path) -> None:
     assert run("inject", "-k", "counter", "--baseline", "b.json", *HERE).code == 0
 
 
-@pytest.mark.parametrize(("text", "said"), [('{\n "schema": 1,\n}', "b.json:3: no JSON"), ("\xff", "no JSON")])
+@pytest.mark.parametrize(("text", "said"), [('{\n "schema": 1\n]', "b.json:3: no JSON"), ("\xff", "no JSON")])
 def test_a_garbled_baseline_is_refused_and_not_written_over(run: Run, baseline: Path, text: str, said: str) -> None:
     baseline.write_text(text)
     called = run("inject", "--baseline", "b.json")
