@@ -8,13 +8,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-from safety.faults import is_wide, schedule, where
+from safety.faults import schedule
+from safety.inject.built_in import BuiltIn, Slot
 from safety.inject.engine import NEVER, NONE, Batch, Outcome, Task
 from safety.inject.kernel import BROKEN, Kernel, build_kernel
-from safety.inject.masks import KEEP, TURN, Mask, masks
+from safety.inject.masks import KEEP, TURN, Mask
 from safety.inject.space import CampaignError
 from safety.terms.table import is_object
 from safety.terms.texts import lane_type
@@ -29,8 +29,6 @@ if TYPE_CHECKING:
 
 MOST_LANES = 8192
 MOST_BUILT_IN = 24
-
-Slot = tuple[int, int]  # a fault that is built in: its row in the batch, its atom
 
 
 @dataclass(frozen=True)
@@ -53,7 +51,8 @@ class LaneEngine:
     def __init__(self, task: Task, most_lanes: int = MOST_LANES) -> None:
         self.task, self.most_lanes = task, most_lanes
         self.tick: Callable[[float], None] = lambda share: None
-        self.masks = [masks(task.system, atom) for atom in task.atoms]
+        self._rule = BuiltIn(task)
+        self.masks = self._rule.masks
         self._kernels: dict[tuple[Slot, ...], Kernel] = {}
         self._golden: Outcome | None = None
 
@@ -86,29 +85,15 @@ class LaneEngine:
 
     # --- what runs side by side ----------------------------------------------------------------------------------
 
-    @cached_property
-    def _where(self) -> list[frozenset[str]]:
-        """The points or registers of each atom."""
-        return [frozenset(where(self.task.system, atom)) for atom in self.task.atoms]
-
-    @cached_property
-    def _wide(self) -> list[bool]:
-        """Which atoms join points or act on parts: those of different runs are not built in together."""
-        return [is_wide(self.task.system, atom) for atom in self.task.atoms]
-
     def _built_in(self, batch: Batch) -> Lanes:
-        """Which faults of each run no mask can carry: those without one, and what shares their points.
-
-        Faults at one point act in the order of their rows, which a mask behind a built-in fault could not keep.
-        """
+        """Which faults of each run are built in."""
         import numpy as np
 
         bare = np.array([found is None for found in self.masks] + [False])  # the last stands for NONE
         built = bare[batch.atoms]
         for column in np.flatnonzero(built.any(axis=0)):
-            atoms = batch.atoms[:, column]
-            taken = frozenset().union(*(self._where[atom] for atom in atoms[built[:, column]]))
-            built[:, column] = [atom != NONE and bool(self._where[atom] & taken) for atom in atoms]
+            for row, _ in self._rule.slots(batch.atoms[:, column].tolist()):
+                built[row, column] = True
         return np.asarray(built)
 
     def _chunks(self, batch: Batch, built: Lanes) -> Iterator[Chunk]:
@@ -131,7 +116,7 @@ class LaneEngine:
         slots: set[Slot] = set()
         for column in columns.tolist():
             more = {(row, int(batch.atoms[row, column])) for row in np.flatnonzero(built[:, column]).tolist()}
-            wide, there = ({slot for slot in some if self._wide[slot[1]]} for some in (more, slots))
+            wide, there = ({slot for slot in some if self._rule.wide[slot[1]]} for some in (more, slots))
             apart = bool(wide and there and wide != there)
             if chosen and (apart or len(slots | more) > MOST_BUILT_IN or len(chosen) >= self.most_lanes):
                 yield np.array(chosen), tuple(sorted(slots))

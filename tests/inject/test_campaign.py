@@ -8,13 +8,14 @@ import subprocess
 import sys
 from collections.abc import Callable
 from fractions import Fraction
+from itertools import permutations
 from pathlib import Path
 from typing import Any
 
 import msgspec
 import pytest
 
-from safety.faults import ANY_TIME, TRANSIENT, Fault, flip
+from safety.faults import ANY_TIME, TRANSIENT, Fault, flip, frozen, stuck
 from safety.inject import Campaign, CampaignError, Counts, Group, Judged, campaigns, running, stuck_bits, write_csv
 from safety.inject import classes as classes_module
 from safety.inject.effects import with_rates
@@ -291,3 +292,22 @@ def test_a_transient_that_outlasts_every_number_stays(
     at_onsets = campaign(faults=stuck_bits("*"), onsets=range(3, 4), length=ticks, engine=engine)
     expected = forever.inject().tally
     assert expected.dangerous_undetected and long.inject().tally == at_onsets.inject().tally == expected
+
+
+@pytest.mark.parametrize("engine", ["lanes", "native"])
+@pytest.mark.parametrize("order", list(permutations(range(3))))
+def test_faults_that_meet_by_way_of_another_act_in_their_order(
+    campaign: Make, engine: str, order: tuple[int, ...]
+) -> None:
+    """The frozen sum is built in; what shares a point with the stuck points, which share one with it, has to be too."""
+    three = [
+        Fault(frozen(), ["sum"], ANY_TIME, at=2),
+        Fault(stuck(0), ["sum", "lit"], ANY_TIME, at=3),
+        Fault(flip(), ["lit"], ANY_TIME, at=1),
+    ]
+    declared = campaign(faults=[three[i] for i in order], order=3, engine=engine, collapsing=False)
+    seen = declared.engine_of().run(declared.space.batch(0, 1))
+    again = running.outcome(declared, declared.replay(0).trace)
+    assert {name: counts.tolist() for name, counts in seen.counts.items()} == {
+        name: counts.tolist() for name, counts in again.counts.items()
+    }

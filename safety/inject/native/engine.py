@@ -6,9 +6,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-from safety.faults import is_wide, where
+from safety.inject.built_in import BuiltIn, Slot
 from safety.inject.engine import NEVER, NONE, Batch, Outcome, Task
-from safety.inject.masks import masks
 from safety.inject.native import sweep
 from safety.inject.native.excitation import Excitation, reduces
 from safety.inject.native.program import AUTO, FORMS, Program
@@ -26,8 +25,6 @@ if TYPE_CHECKING:
 MOST_BUILT_IN = 64
 MOST_PROGRAMS = 64  # kept, besides that of all masks
 REDUCING_PAYS = 2**28  # runs times steps
-
-Slot = tuple[int, int]  # a fault that is built in: its row in the batch, its atom
 
 
 class NativeEngine:
@@ -50,7 +47,8 @@ class NativeEngine:
         if form not in FORMS:
             raise ModelError(f"form {form!r}; {nearest(form, FORMS)}")
         self.task, self.prune, self.target, self.form = task, prune, target or host(), form
-        self._masks = [masks(task.system, atom) for atom in task.atoms]
+        self._built_in = BuiltIn(task)
+        self._masks = self._built_in.masks
         self._points = tuple(dict.fromkeys(point for found in self._masks for point in found or ()))
         self._excitations: dict[int, Excitation] = {}
         self._programs: dict[tuple[tuple[Slot, ...], bool], Program] = {}
@@ -145,8 +143,8 @@ class NativeEngine:
         columns = np.flatnonzero(special)
         kinds, which = np.unique(batch.atoms[:, columns], axis=1, return_inverse=True)
         which = which.ravel()
-        slots = [self._slots(atoms) for atoms in kinds.T.tolist()]
-        for chosen, built in _divided(slots, self._wide):
+        slots = [self._built_in.slots(atoms) for atoms in kinds.T.tolist()]
+        for chosen, built in _divided(slots, self._built_in.wide):
             carries = any(len(slots[kind]) < (kinds[:, kind] != NONE).sum() for kind in chosen)
             program = self._program(tuple(built), carries)
             number = {slot: len(self.task.atoms) + i for i, slot in enumerate(built)}
@@ -158,25 +156,6 @@ class NativeEngine:
             place[chosen] = np.arange(len(chosen))
             here = place[which] >= 0
             yield program, columns[here], local[:, place[which[here]]]
-
-    @cached_property
-    def _where(self) -> list[frozenset[str]]:
-        """The points or registers of each atom."""
-        return [frozenset(where(self.task.system, atom)) for atom in self.task.atoms]
-
-    @cached_property
-    def _wide(self) -> list[bool]:
-        """Which atoms join points or act on parts: those of different runs are not built in together."""
-        return [is_wide(self.task.system, atom) for atom in self.task.atoms]
-
-    def _slots(self, atoms: Sequence[int]) -> list[Slot]:
-        """Which faults of a run are built in: those without a mask, and what shares their points.
-
-        Faults at one point act in the order of their rows, which a mask behind a fault built in could not keep.
-        """
-        there = [(row, atom) for row, atom in enumerate(atoms) if atom != NONE]
-        taken = frozenset().union(*(self._where[atom] for _, atom in there if self._masks[atom] is None))
-        return [slot for slot in there if self._where[slot[1]] & taken]
 
     def _program(self, slots: tuple[Slot, ...], carries: bool) -> Program:
         """The program with these faults built in, in the order of their rows; with masks too where it `carries` any."""
