@@ -153,13 +153,19 @@ def _breaks(campaign: Campaign, found: Injection, claim: Claim) -> bool:
     new = {name: other if name not in {*bare.state, *bare.inputs} else name for name, other in new.items()}
     problem = build_problem(claim, settings, lambda _: _renamed(broken.system, new))
     system = replace(problem.system, signals={**problem.system.signals, HOLDS: problem.holds}, assumptions={})
-    choose, idle = schedule(broken), {name: _nothing(system.inputs[name].sort) for name in problem.faulted.choices}
+    choose, absent = schedule(broken), schedule(problem.faulted)  # what absent faults choose does nothing
     start = {**variant.start, **{name: used[name] for name in claim.symbolic if name in system.state}}
     drawn = {n: value for n, value in variant.values.items() if n in system.inputs and not callable(value)}
 
     def inputs(step: int) -> dict[str, Any]:
         chosen = {new[name]: value for name, value in choose(step).items()}
-        return {**campaign.constant, **drawn, **variant.inputs(step // campaign.steps_per_frame), **chosen, **idle}
+        return {
+            **campaign.constant,
+            **drawn,
+            **variant.inputs(step // campaign.steps_per_frame),
+            **chosen,
+            **absent(step),
+        }
 
     steps = campaign.timing.frames * campaign.timing.steps
     return not all(run(system, inputs, steps, start=start, keep=[HOLDS])[HOLDS])
@@ -173,10 +179,6 @@ def _renamed(system: System, new: Mapping[str, str]) -> System:
     states = tuple(replace(s, var=other[s.var.uid]) for s in whole.states)
     inputs = {new[name]: other[v.uid] for name, v in system.inputs.items()}
     return replace(whole, states=states, inputs=inputs, start=cast(Bit, substitute([system.start], other)[0]))
-
-
-def _nothing(sort: Sort) -> bool | int:
-    return False if sort == BIT else sort.low or 0
 
 
 def _named(
