@@ -15,11 +15,10 @@ from models.ts7.system import Ts7
 from models.ts7.threshold import Thresholds
 from models.ts7.train import Bench
 from models.ts7.voting import CommonPart
-from proofs.ts7_boundaries import A_BRAKES_FIRST
 from proofs.ts7_brake_chain import CHANNELS, RELEASE
 from proofs.ts7_formulas import Formula, named
 from proofs.ts7_thresholds import LIMITS
-from proofs.ts7_voting import OFFSETS
+from proofs.ts7_voting import OFFSETS, too_fast
 from safety import (
     ANY_TIME,
     PROVED,
@@ -318,7 +317,8 @@ def never_changes_over(s: Seen) -> Bit:
 # --- what connects the parts ----------------------------------------------------------------------------------------
 
 
-@claim(Ts7, symbolic=OFFSETS, expect=PROVED, requirement="TS7-8", source="[P] the limits of the others are lowered")
+@claim(Ts7, symbolic=OFFSETS, expect=PROVED, requirement="TS7-8", source="[P] the limits of the others are lowered",
+       witness=too_fast(0, 3000, start={"b.offset": -4}))  # fmt: skip
 def lowered_just_in_a_window_of_others(s: Seen) -> Bit:
     """A channel's limit is lowered just while a window is open that it did not open."""
     window = s.common.sync.window
@@ -326,7 +326,7 @@ def lowered_just_in_a_window_of_others(s: Seen) -> Bit:
 
 
 @claim(Ts7, symbolic=OFFSETS, expect=REFUTED, requirement="TS7-8", twin_of=lowered_just_in_a_window_of_others,
-       scenario=A_BRAKES_FIRST)  # fmt: skip
+       scenario=too_fast(0, 3000, start={"c.offset": -4}))  # fmt: skip
 def lowered_in_every_window(s: Seen) -> Bit:
     """Every channel's limit is lowered while a window is open, that of the first to brake too."""
     return all_of(*(s[n].lowered == s.common.sync.window.open for n in CHANNELS))

@@ -23,8 +23,8 @@ _HOME = {
         "slow_to_release stuck swapped upset welded wired_and wired_or"
     ),
     "safety.prove.claims": (
-        "BOUNDED PROVED REFUTED UNDECIDED VACUOUS BITS INTEGERS Scenario Seen age claim faulty has "
-        "new_fault once persists previous struck total"
+        "BOUNDED PROVED REFUTED UNDECIDED VACUOUS BITS INTEGERS Scenario Seen age claim faulty has last "
+        "new_fault once persists previous since struck total"
     ),
     "safety.prove.refinement": ("refines"),
     "safety.prove.hazards": ("hazard"),
@@ -97,6 +97,7 @@ __all__ = [
     "hazard",
     "implies",
     "intermittent",
+    "last",
     "memory_flip",
     "missing",
     "new_fault",
@@ -116,6 +117,7 @@ __all__ = [
     "refines",
     "run",
     "select",
+    "since",
     "slow_to_operate",
     "slow_to_release",
     "struck",
@@ -193,10 +195,12 @@ if TYPE_CHECKING:
         claim,
         faulty,
         has,
+        last,
         new_fault,
         once,
         persists,
         previous,
+        since,
         struck,
         total,
     )

@@ -117,7 +117,7 @@ def _outside(declared: Parameter, sort: Sort, value: Any) -> str:
     if isinstance(value, bool) or not isinstance(value, int | Fraction):
         return f"is not a value of {sort}; write an exact number in {within}, e.g. {declared.default}"
     near = min(max(value if sort == REAL else round(value), declared.low), declared.high)
-    return f"lies outside {within}; the nearest admissible value is {near}"
+    return f"lies outside {within}; the nearest admissible value is {near} ({declared.source})"
 
 
 def _seconds(cls: type[Model], tick_s: float | str | Fraction) -> Fraction:

@@ -29,11 +29,14 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from safety.audit import Entry
+    from safety.exhibits import Exhibit
     from safety.inject import Campaign
     from safety.model import Model
     from safety.prove.bounds import BoundClaim
     from safety.prove.claims import Claim
     from safety.prove.hazards import Hazard
+    from safety.prove.weakest import Synthesis
     from safety.rates.claims import Rate
 
 PROOFS, MODELS = "proofs", "models"
@@ -157,6 +160,15 @@ class Project:
         return declared()
 
     @property
+    def syntheses(self) -> list[Synthesis]:
+        """The weakest safe parameters that files imported so far look for."""
+        if "safety.prove.weakest" not in sys.modules:
+            return []
+        from safety.prove.weakest import declared
+
+        return declared()
+
+    @property
     def hazards(self) -> list[Hazard]:
         """The hazards of all files imported so far."""
         from safety.prove.hazards import hazards
@@ -180,6 +192,24 @@ class Project:
         from safety.rates.claims import declared
 
         return list(declared())
+
+    @property
+    def figures(self) -> list[Entry]:
+        """What papers print, of all files imported so far."""
+        if "safety.audit" not in sys.modules:
+            return []
+        from safety.audit import declared
+
+        return list(declared())
+
+    @property
+    def exhibits(self) -> list[Exhibit]:
+        """The tables and plots of all files imported so far."""
+        if "safety.exhibits" not in sys.modules:
+            return []
+        from safety.exhibits import declared
+
+        return declared()
 
     @property
     def models(self) -> dict[str, type[Model]]:

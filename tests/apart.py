@@ -8,11 +8,14 @@ from contextlib import contextmanager
 from types import ModuleType
 from typing import Any
 
+import safety.audit.entry
 import safety.commands.declared
+import safety.exhibits
 import safety.inject.campaign
 import safety.prove.bounds.claims
 import safety.prove.claims
 import safety.prove.hazards
+import safety.prove.weakest
 import safety.rates.claims
 
 REGISTRIES: tuple[tuple[ModuleType, str], ...] = (
@@ -20,9 +23,12 @@ REGISTRIES: tuple[tuple[ModuleType, str], ...] = (
     (safety.prove.bounds.claims, "_registry"),
     (safety.prove.hazards, "_registry"),
     (safety.prove.hazards, "_formulas"),
+    (safety.prove.weakest, "_registry"),
     (safety.inject.campaign, "_registry"),
     (safety.rates.claims, "_declared"),
     (safety.rates.claims, "_places"),
+    (safety.exhibits, "_declared"),
+    (safety.audit.entry, "_declared"),
 )
 
 

@@ -20,12 +20,13 @@ from typing import Any, NoReturn
 
 VERBS = {
     "verify": "run everything below and write the report",
-    "list": "what there is: claims, campaigns, hazards, rates, models, points",
+    "list": "what there is: claims, syntheses, campaigns, hazards, rates, figures, exhibits, models, points",
     "run": "run a model and show its signals",
     "prove": "prove or refute claims",
     "inject": "run fault-injection campaigns",
     "tree": "find cut sets and solve fault trees",
     "rate": "work out rates and mean times",
+    "audit": "recompute the printed figures and equations of papers",
     "report": "write or check the report of the last results",
     "replay": "show again how a claim fails, what a fault does, how a hazard comes about",
     "check": "check certificates of proofs",
@@ -33,7 +34,8 @@ VERBS = {
     "doctor": "show which packages, engines and programs there are, and what is missing",
 }
 MODULES = {"list": "listing"}  # a module `list` would hide the built-in one here
-CHOSEN = {"verify": "results", "prove": "claims", "inject": "campaigns", "rate": "rates"}  # chosen with -k alone
+# chosen with -k alone
+CHOSEN = {"verify": "results", "prove": "claims", "inject": "campaigns", "rate": "rates", "audit": "figures"}
 INPUT_ERROR, INTERNAL, INTERRUPTED = 2, 70, 130
 
 

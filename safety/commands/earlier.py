@@ -17,7 +17,7 @@ from safety.project import Project
 from safety.prove.cache import Cache
 from safety.report.results import Results
 
-SECTIONS = ("claims", "campaigns", "trees", "rates")
+SECTIONS = ("claims", "syntheses", "campaigns", "trees", "rates", "figures", "exhibits")
 
 
 class Earlier:

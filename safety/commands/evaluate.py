@@ -16,15 +16,20 @@ from safety.project import Problem, Project, Value
 from safety.prove.cache import Cache
 
 if TYPE_CHECKING:
+    from safety.audit import Entry as Figure
+    from safety.exhibits import Exhibit
     from safety.inject import Campaign
     from safety.model import Model
     from safety.prove.bounds import BoundClaim
     from safety.prove.claims import Claim
     from safety.prove.hazards import Hazard
+    from safety.prove.outcome import Limits, Outcome
+    from safety.prove.problem import Problem as Asked
+    from safety.prove.weakest import Synthesis
     from safety.rates.claims import Rate
 
 Entry = dict[str, Any]
-Named = TypeVar("Named", "Claim", "BoundClaim", "Campaign", "Hazard", "Rate")
+Named = TypeVar("Named", "Claim", "BoundClaim", "Campaign", "Hazard", "Rate", "Exhibit", "Figure", "Synthesis")
 Note = Callable[[str], None]
 
 
@@ -93,12 +98,22 @@ def without_result(item: Item, error: Exception | str) -> Entry:
         case "claims":
             base |= {"model": item.model or None, "expect": item.expect, "verdict": "undecided", "why": text}
             said: Entry = {"disagreed_by": ["the engines"]} if code == 6 else {}
+        case "syntheses":
+            base |= {"model": item.model or None, "parameter": "", "safe_from": None, "refuted_at": None}
+            base |= {"settled": False, "why": text}
+            said = {"disagreed_by": ["the engines"]} if code == 6 else {}
         case "campaigns":
             classes = dict.fromkeys(("safe", "detected", "dangerous_undetected", "no_effect"), 0)
             base |= {"injections": 0, "exhaustive": False, "classes": classes, "note": text}
             said = {"disagreed_by": [text]} if code == 6 else {}
         case "trees":
             base |= {"probability": None, "probability_low": 0.0, "probability_high": None, "note": text}
+            said = {}
+        case "figures":
+            base |= {"printed": item.statement, "verdict": "not derivable", "note": text}
+            said = {"disagreed_by": [text]} if code == 6 else {}
+        case "exhibits":
+            base |= {"title": item.statement, "as_expected": False, "note": text}
             said = {}
         case _:
             base |= {"quantity": item.statement, "value": None, "note": text}
@@ -135,6 +150,9 @@ def models_of(project: Project, item: Item) -> list[type[Model]]:
         case "claims":
             claim = find(project.claims, item.id)
             return [claim.model, *([claim.refinement.upper] if claim.refinement is not None else [])]
+        case "syntheses":
+            about = find(project.syntheses, item.id).model
+            return [about] if about else []
         case "trees":
             return [find(project.hazards, item.id).claim.model]
         case "campaigns":
@@ -158,9 +176,9 @@ def has_parameter(model: type[Model], name: str) -> bool:
 def _claim(project: Project, item: Item, order: Order, note: Note) -> Answer:
     if item.is_bound:
         return _bound(project, item, order)
-    from safety.commands.stimulus import stimulus
     from safety.prove.prove import Limits, stated
     from safety.prove.record import claim_entry
+    from safety.prove.stimulus import stimulus
 
     claim = find(project.claims, item.id)
     problem = stated(claim, fitting_claim(claim, order.settings))
@@ -181,6 +199,20 @@ def _claim(project: Project, item: Item, order: Order, note: Note) -> Answer:
 
 def _bound(project: Project, item: Item, order: Order) -> Answer:
     return Answer(item, find(project.bounds, item.id).evaluate(order.timeout))
+
+
+def _synthesis(project: Project, item: Item, order: Order, note: Note) -> Answer:
+    from safety.prove.outcome import Limits
+    from safety.prove.weakest_search import find as weakest
+
+    cache = Cache(folder(project.root), _warn) if order.cache else None
+
+    def decided(problem: Asked, limits: Limits) -> Outcome:
+        return recalled(cache, problem, limits).outcome
+
+    synthesis = find(project.syntheses, item.id)
+    settings = fitting(synthesis.model, order.settings) if synthesis.model else {}
+    return Answer(item, weakest(synthesis, Limits(order.timeout), decided, note, settings).to_json())
 
 
 def _campaign(project: Project, item: Item, order: Order, note: Note) -> Answer:
@@ -208,6 +240,23 @@ def _rate(project: Project, item: Item, order: Order, note: Note) -> Answer:
     return Answer(item, find(project.rates, item.id).evaluate())
 
 
+def _figure(project: Project, item: Item, order: Order, note: Note) -> Answer:
+    figure, began = find(project.figures, item.id), time.perf_counter()
+    entry = figure.evaluate()
+    there = {claim.id for claim in project.claims} | {bound.id for bound in project.bounds}
+    if figure.claim and figure.claim not in there:
+        from safety.audit import AuditError
+
+        raise AuditError(f"{item.id}: there is no claim {figure.claim!r}; `rightside list claims` names them")
+    return Answer(item, entry | {"seconds": round(time.perf_counter() - began, 3)})
+
+
+def _exhibit(project: Project, item: Item, order: Order, note: Note) -> Answer:
+    began = time.perf_counter()
+    entry = find(project.exhibits, item.id).evaluate()
+    return Answer(item, entry | {"seconds": round(time.perf_counter() - began, 3)})
+
+
 def _mutants(project: Project, item: Item, order: Order, note: Note) -> Answer:
     from safety.commands.mutants import examined
 
@@ -217,9 +266,12 @@ def _mutants(project: Project, item: Item, order: Order, note: Note) -> Answer:
 Evaluate = Callable[[Project, Item, Order, Note], Answer]
 _EVALUATE: Mapping[str, Evaluate] = {
     "claims": _claim,
+    "syntheses": _synthesis,
     "campaigns": _campaign,
     "trees": _hazard,
     "rates": _rate,
+    "figures": _figure,
+    "exhibits": _exhibit,
     "mutants": _mutants,
 }
 
@@ -242,9 +294,18 @@ def _problem(project: Project, item: Item, error: Exception) -> Problem:
     elif item.section == "claims":
         code = find(project.claims, item.id).formula.__code__
         place, line = Path(code.co_filename), code.co_firstlineno
+    elif item.section == "syntheses":
+        file, line = find(project.syntheses, item.id).place
+        place = Path(file)
     elif item.section == "campaigns":
         file, line = find(project.campaigns, item.id).place
         place = Path(file)
+    elif item.section == "figures":
+        file, line = find(project.figures, item.id).place
+        place = Path(file)
+    elif item.section == "exhibits":
+        exhibit = find(project.exhibits, item.id)
+        place, line = Path(exhibit.file), exhibit.line
     found = project.problem(error, place, line)
     named = found.message if item.id in found.message else f"{item.id}: {found.message}"
     return replace(found, message=named)

@@ -1,4 +1,4 @@
-"""List what the project declares: claims, campaigns, hazards, rates, models with their parameters, points of a model.
+"""List what the project declares: claims, syntheses, campaigns, hazards, rates, figures, exhibits, models, points.
 
 The table is on stdout, columns two spaces apart.
 """
@@ -26,8 +26,9 @@ rightside list claims -k ring      claims whose id, model or requirement contain
 rightside list models              models with clock, and parameters with value, unit, range and source
 rightside list points TwoOutOfThree    where faults can act in a model
 """
-KINDS = {"claims": "claims", "campaigns": "campaigns", "hazards": "trees", "rates": "rates"}
-SINGULAR = {"claims": "claim", "campaigns": "campaign", "trees": "hazard", "rates": "rate"}
+KINDS = {name: name for name in ("claims", "syntheses", "campaigns", "hazards", "rates", "figures", "exhibits")}
+KINDS["hazards"] = "trees"
+SINGULAR = {section: name.removesuffix("s") for name, section in KINDS.items()} | {"syntheses": "synthesis"}
 
 
 def add_arguments(parser: ArgumentParser) -> None:

@@ -67,6 +67,7 @@ def run(args: Namespace) -> int:
 def examined(project: Project, item: Item, order: Order) -> Entry:
     """A worker's answer to one piece of work: the fate of each of its mutants, or what an earlier run has found."""
     from safety.prove.mutants import examine
+    from safety.prove.mutation_kept import Kills
 
     began = time.perf_counter()
     numbers = [int(number) for number in item.expect.split()]
@@ -75,7 +76,8 @@ def examined(project: Project, item: Item, order: Order) -> Entry:
     key = _key(subject, numbers) if cache is not None else None
     found = cache.get(key) if cache is not None and key else None
     if found is None:
-        found = [_entry(project.root, item.model, subject.mutants, fate) for fate in examine(subject, numbers)]
+        fates = examine(subject, numbers, Kills(cache, subject.mutants))
+        found = [_entry(project.root, item.model, subject.mutants, fate) for fate in fates]
         if cache is not None and key:
             cache.put(key, found)
     return {"id": item.id, "mutants": found, "seconds": round(time.perf_counter() - began, 3)}
@@ -117,7 +119,7 @@ def _told(root: Path, model: str, mutants: Mutants, mutant: Mutant) -> Entry:
 
 
 class _Work:
-    """The mutants of some models, the smallest model first, and what became of them.
+    """The mutants of some models, the smaller model first, and what became of them.
 
     A change of a line, or of a term of it, that is killed wherever it was made in one model is not made again in a
     greater one: whoever changes the text changes both.  One that is equivalent in the smaller model may show in the
@@ -133,7 +135,9 @@ class _Work:
         for claim in judged(claims):
             by_model.setdefault(claim.model, []).append(claim)
         told = [some for some in by_model.values() if any(claim.expect != REFUTED for claim in some)]
-        found = sorted(((mutants_for(some), some) for some in told), key=lambda pair: len(pair[0].mutants))
+        found = [(mutants_for(some), some) for some in told]
+        sizes = {some[0].model: len(mutants.mutants) for mutants, some in found}
+        found.sort(key=lambda pair: _order(pair[1][0].model, sizes))
         self.models = [(mutants, [claim.id for claim in some], some[0].model.__name__) for mutants, some in found]
         self.entries: list[Entry] = []
         self.summaries: list[Entry] = []
@@ -201,6 +205,12 @@ class _Work:
             return INTERRUPTED if self.interrupted else INPUT_ERROR
         left = {each["verdict"] for each in self.entries if each["verdict"] in LEFT and not each["noticed_on"]}
         return UNDECIDED if "undecided" in left else WEAKER if left else 0
+
+
+def _order(model: type, sizes: Mapping[type, int]) -> tuple[int, int]:
+    """The smaller model first, a variant after the model that it is made from."""
+    bases = [sizes[each] for each in model.__mro__ if each in sizes]
+    return max(bases), len(bases)
 
 
 def totals_of(entries: Sequence[Entry]) -> dict[str, int]:

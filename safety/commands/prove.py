@@ -1,4 +1,4 @@
-"""Prove or refute the claims of proofs/.
+"""Prove or refute the claims of proofs/, and find the weakest safe parameters.
 
 Each claim states the verdict it expects; anything else is shown as not as asked.  A refuted claim is shown with the
 run that breaks it: a star marks a changed cell, an exclamation mark the step at which the claim is false.
@@ -48,4 +48,4 @@ def run(args: Namespace) -> int:
         from safety.commands import mutants
 
         return mutants.run(args)
-    return work(args, "claims", tables=not args.quiet).code
+    return work(args, "claims", "syntheses", tables=not args.quiet).code

@@ -110,7 +110,7 @@ def usable(record: Any, timeout: float) -> bool:
 def _record(outcome: Outcome, problem: Problem, limits: Limits) -> dict[str, Any] | None:
     """An outcome as plain data; None when it is not to be kept."""
     from safety.canonical import written
-    from safety.commands.stimulus import stimulus
+    from safety.prove.stimulus import stimulus
 
     fields = {f.name: getattr(outcome, f.name) for f in dataclasses.fields(outcome) if f.name not in _NOT_KEPT}
     trace, scripted = outcome.counterexample, outcome.method.startswith(SCRIPTED)
@@ -175,7 +175,7 @@ def _tuples(cls: type[Any]) -> set[str]:
 
 def _run_again(problem: Problem, given: Any, steps: int) -> Trace | None:
     """The run of a refutation, if it breaks the claim at its last step and keeps its assumptions."""
-    from safety.commands.stimulus import rerun
+    from safety.prove.stimulus import rerun
     from safety.prove import search
     from safety.prove.problem import observed
     from safety.system import ModelError

@@ -1,8 +1,8 @@
 """Run again on the Python reading, without any solver, what a result rests on, and show it.
 
-ID is a claim that was refuted (its run; of a bound its point), CAMPAIGN#N or CAMPAIGN::INJECTION (one injection),
-HAZARD#N or HAZARD::FAULTS (one cut set, numbered as `rightside tree` shows them; order 0 is #0).  Results are those of
-the last run, or of --from.
+ID is a claim that was refuted (its run; of a bound its point), a synthesis (its run), CAMPAIGN#N or CAMPAIGN::INJECTION
+(one injection), HAZARD#N or HAZARD::FAULTS (one cut set, numbered as `rightside tree` shows them; order 0 is #0).
+Results are those of the last run, or of --from.
 An INJECTION may give the campaign's faults any onset: NAME, NAME from step 40, NAME, transient at 40 for 3; several
 stand with & between.
 Exit 0 when it comes out as it was recorded, 1 when it does not.
@@ -21,7 +21,6 @@ from safety.commands import CommandError, memory, options
 from safety.commands.evaluate import find, fitting, fitting_claim
 from safety.commands.output import data, probe
 from safety.commands.runs import add_signals, chosen_signals, show_run
-from safety.commands.stimulus import rerun
 from safety.commands.table import table
 from safety.project import Project, Value, open_project
 from safety.prove import search
@@ -29,6 +28,7 @@ from safety.prove.bounds import BoundClaim
 from safety.prove.problem import build_problem, observed
 from safety.prove.record import story
 from safety.prove.refinement import build_refinement
+from safety.prove.stimulus import rerun
 from safety.report.results import load
 from safety.report.sarif import replay_command
 from safety.report.schema import Entry
@@ -38,6 +38,7 @@ from safety.trace import Trace
 if TYPE_CHECKING:
     from safety.inject import Campaign, Injection
     from safety.inject import Replay as InjectionReplay
+    from safety.prove.problem import Problem as Asked
 
 EXAMPLES = """
 rightside replay ts7_voting.brakes_with_two_faults
@@ -122,15 +123,18 @@ def _replayed(project: Project, args: Namespace) -> Replayed:
     else:
         raise CommandError(f"{args.id}: a number follows #, e.g. {name}#0")
     of_claims, of_hazards, of_campaigns = ({each.id for each in each_kind} for each_kind in _declared(project))
-    if args.shrink and name in of_claims | of_hazards:
+    of_syntheses = {each.id for each in project.syntheses}
+    if args.shrink and name in of_claims | of_hazards | of_syntheses:
         raise CommandError(f"--shrink is for an injection of a campaign; {name} is none")
     if name in of_claims:
         return _claim(project, name, _recorded(project, args, "claims", name))
+    if name in of_syntheses:
+        return _synthesis(project, name, _recorded(project, args, "syntheses", name))
     if name in of_hazards:
         return _cut_set(project, name, key, _recorded(project, args, "trees", name))
     if name in of_campaigns:
         return _injection(project, name, key, args, _recorded(project, args, "campaigns", name))
-    known = of_claims | of_hazards | of_campaigns | {bound.id for bound in project.bounds}
+    known = of_claims | of_syntheses | of_hazards | of_campaigns | {bound.id for bound in project.bounds}
     raise CommandError(f"no claim, campaign or hazard {name!r}; {nearest(name, known)}")
 
 
@@ -175,9 +179,25 @@ def _claim(project: Project, name: str, recorded: Recorded) -> Replayed:
         trace = search.cut_at(script, "claim.holds", False) or script
     else:
         raise CommandError(f"{name}: these results do not say what its run was given; `rightside prove -k {name}` does")
+    return _of_claim(name, problem, trace)
+
+
+def _of_claim(name: str, problem: Asked, trace: Trace) -> Replayed:
     same = not trace["claim.holds"][-1] and all(trace["claim.given"])
     how = "false" if not trace["claim.holds"][-1] else "true"
     return Replayed(trace, same, f"{name} is {how} at step {len(trace) - 1}", story(trace, problem))
+
+
+def _synthesis(project: Project, name: str, recorded: Recorded) -> Replayed:
+    """The run at the value that was refuted."""
+    entry: Entry = recorded.entry or {}
+    counterexample, breaking = entry.get("counterexample") or {}, find(project.syntheses, name).breaking
+    if breaking is None or not counterexample.get("stimulus"):
+        raise CommandError(f"{name} has no run in the last results; `rightside prove -k {name}` looks for one")
+    claim = replace(breaking(entry["refuted_at"]), scenario=None)
+    problem = build_problem(claim, fitting(claim.model, recorded.settings))
+    trace = rerun(observed(problem), counterexample["stimulus"], counterexample["steps"])
+    return _of_claim(f"{name} with {entry['parameter']} {entry['refuted_at']}", problem, trace)
 
 
 def _cut_set(project: Project, name: str, key: str | int | None, recorded: Recorded) -> Replayed:

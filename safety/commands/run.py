@@ -8,6 +8,7 @@ bit=3), flip(), frozen, delayed(2), drift(1), clock_stop@PART, bridge(0)@POINT+P
 from __future__ import annotations
 
 import csv
+import fnmatch
 import sys
 from argparse import ArgumentParser, Namespace
 from collections.abc import Callable, Mapping
@@ -38,7 +39,12 @@ DEFAULT_STEPS = 20
 def add_arguments(parser: ArgumentParser) -> None:
     """Options of the verb."""
     parser.add_argument("model", metavar="MODEL", help="its name, or its full name below models/")
-    parser.add_argument("inputs", nargs="*", metavar="NAME=VALUE", help="inputs that stay the same")
+    parser.add_argument(
+        "inputs",
+        nargs="*",
+        metavar="NAME=VALUE",
+        help="inputs that stay the same; lines.*=0 sets several, the later one wins",
+    )
     parser.add_argument("--csv", metavar="FILE", help="inputs, a row a step")
     parser.add_argument(
         "--steps", metavar="N", type=int, help=f"how many (default: all rows of the file, else {DEFAULT_STEPS})"
@@ -60,7 +66,8 @@ def run(args: Namespace) -> int:
     project.load_models()
     model = model_named(project, args.model)
     system = trace(model, {**_fitting(project.config.settings, model), **dict(args.settings)})
-    fixed = {name: _typed(value, _sort(system, name), name) for name, value in map(_pair, args.inputs)}
+    given = [(name, value) for key, value in map(_pair, args.inputs) for name in _inputs(system, key)]
+    fixed = {name: _typed(value, _sort(system, name), name) for name, value in given}
     rows, steps = _rows(args, system, fixed)
     start = {name: _typed(value, _register(system, name), name) for name, value in map(_pair, args.start)}
     faulted = instrument(system, [fault(text) for text in args.fault])
@@ -116,6 +123,16 @@ def _pair(text: str) -> tuple[str, str]:
     if not (name and equals):
         raise CommandError(f"{text!r} is not NAME=VALUE")
     return name, value
+
+
+def _inputs(system: System, key: str) -> list[str]:
+    """The inputs that a name or a pattern means."""
+    if "*" not in key:
+        return [key]
+    found = fnmatch.filter(system.inputs, key)
+    if not found:
+        raise CommandError(f"{system.name} has no input that fits {key!r}; it has {', '.join(system.inputs)}")
+    return found
 
 
 def _sort(system: System, name: str) -> Sort:

@@ -11,7 +11,7 @@ from typing import Any
 
 from safety.commands.selection import Item
 from safety.report.assumed import mark, rests_on_assumed
-from safety.report.numbers import bracket_text, number
+from safety.report.numbers import bracket_text, number, weakest_text
 from safety.report.schema import Entry
 from safety.report.standing import Standing, standing
 
@@ -102,6 +102,16 @@ def _claim(entry: Entry) -> list[str]:
     ]
 
 
+def _synthesis(entry: Entry) -> list[str]:
+    proof = entry.get("proof") or {}
+    return [
+        "found" if entry["safe_from"] is not None else "open",
+        f"{entry['parameter']}: {weakest_text(entry)}",
+        f"{proof['user_lemmas']} user lemmas" if proof.get("user_lemmas") else "",
+        f"agreed by {', '.join(proof['agreed_by'])}" if proof.get("agreed_by") else "",
+    ]
+
+
 def _campaign(entry: Entry) -> list[str]:
     classes = ", ".join(f"{count} {name.replace('_', ' ')}" for name, count in entry["classes"].items())
     kind = "all" if entry["exhaustive"] else "sample"
@@ -131,4 +141,24 @@ def _rate(entry: Entry) -> list[str]:
     ]
 
 
-_TOLD = {"claims": _claim, "campaigns": _campaign, "trees": _tree, "rates": _rate}
+def _exhibit(entry: Entry) -> list[str]:
+    size = f"table of {len(entry['rows'])} rows" if "rows" in entry else "plot" if "marks" in entry else ""
+    return ["made", size + mark(rests_on_assumed("exhibits", entry)), entry.get("title") or ""]
+
+
+def _figure(entry: Entry) -> list[str]:
+    recomputed = entry.get("mended") or entry.get("recomputed") or ""
+    differs = recomputed and entry["verdict"] not in ("confirmed", "rounding")
+    told = f"{entry.get('printed')} for {recomputed}" if differs else entry.get("printed") or ""
+    return [entry["verdict"], told + mark(rests_on_assumed("figures", entry))]
+
+
+_TOLD = {
+    "claims": _claim,
+    "syntheses": _synthesis,
+    "campaigns": _campaign,
+    "trees": _tree,
+    "rates": _rate,
+    "figures": _figure,
+    "exhibits": _exhibit,
+}

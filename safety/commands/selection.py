@@ -17,7 +17,7 @@ _TOKEN = re.compile(r"\s*(\(|\)|[^\s()]+)")
 
 @dataclass(frozen=True)
 class Item:
-    """Something that has a result: a claim, a campaign, a hazard (section "trees") or a rate."""
+    """What has a result: a claim, a synthesis, a campaign, a hazard (section "trees"), a rate, a figure, an exhibit."""
 
     section: str
     id: str
@@ -54,6 +54,13 @@ def _claims(project: Project) -> list[Item]:
     return [*about, *bounds]
 
 
+def _syntheses(project: Project) -> list[Item]:
+    return [
+        Item("syntheses", s.id, s.model.__name__ if s.model else "", s.requirement, s.statement)
+        for s in project.syntheses
+    ]
+
+
 def _campaigns(project: Project) -> list[Item]:
     from safety.inject.result import model_name
 
@@ -69,7 +76,26 @@ def _rates(project: Project) -> list[Item]:
     return [Item("rates", rate.id, statement=rate.quantity) for rate in project.rates]
 
 
-_ITEMS = {"claims": _claims, "campaigns": _campaigns, "trees": _hazards, "rates": _rates}
+def _exhibits(project: Project) -> list[Item]:
+    return [Item("exhibits", one.id, requirement=one.requirement, statement=one.title) for one in project.exhibits]
+
+
+def _figures(project: Project) -> list[Item]:
+    return [
+        Item("figures", one.id, requirement=one.requirement, statement=f"{one.printed} {one.unit}".rstrip())
+        for one in project.figures
+    ]
+
+
+_ITEMS = {
+    "claims": _claims,
+    "syntheses": _syntheses,
+    "campaigns": _campaigns,
+    "trees": _hazards,
+    "rates": _rates,
+    "figures": _figures,
+    "exhibits": _exhibits,
+}
 
 
 def select(found: Sequence[Item], args: Namespace, last: Mapping[str, Any]) -> list[Item]:

@@ -36,14 +36,15 @@ from safety.commands.workers import Workers
 from safety.project import MODELS, PROOFS, Problem, Project, open_project
 from safety.report import terminal
 from safety.report.closing import settled
+from safety.report.figures import decided
 from safety.report.results import Results, ResultsError, empty, exit_code, merge, validate
-from safety.report.schema import SCHEMA
+from safety.report.schema import JUDGED, SCHEMA
 from safety.report.standing import DISAGREE, INTERNAL, NOTHING, WORDS, standing
 
 if TYPE_CHECKING:
     from safety.model import Model
 
-NOUNS = {"claims": "claims", "campaigns": "campaigns", "trees": "hazards", "rates": "rates"}
+NOUNS = {name: name for name in JUDGED} | {"trees": "hazards"}
 SAVE_S = 30.0  # what a power cut may cost
 
 
@@ -69,6 +70,7 @@ class Session:
         """Whether only a part of the project's results was asked for, or of a changed model."""
         args = self.args
         chosen = args.keyword or args.req or args.lf or args.first or getattr(args, "changed", False)
+        chosen = chosen or getattr(args, "paper", None)
         return bool(chosen or args.settings)
 
     def work(self) -> None:
@@ -228,14 +230,18 @@ class Session:
         return memory.keep(self.project.root, self.results, self.sections if done else ())
 
     def _close(self) -> None:
-        """Put the verdicts of claims to the campaigns that name them; of an earlier run too, if nothing has changed."""
-        if not any(entry.get("closure") for entry in self.results.get("campaigns", ())):
+        """Put the verdicts of claims to what names them; those of an earlier run too, if nothing has changed."""
+        campaigns, figures = (self.results.get(section, ()) for section in ("campaigns", "figures"))
+        if not any(entry.get("closure") for entry in campaigns) and not any(entry.get("claim") for entry in figures):
             return
         kept = {} if self.args.settings else memory.last(self.project.root)
         same = kept.get("models") == self.results["models"]
         known = merge(kept, self.results) if same else self.results
-        campaigns = self.results["campaigns"]
-        self.results["campaigns"] = [settled(entry, known) if entry.get("closure") else entry for entry in campaigns]
+        settle = {"campaigns": ("closure", settled), "figures": ("claim", decided)}
+        for section, (names, closed) in settle.items():
+            if self.results.get(section):
+                entries = self.results[section]
+                self.results[section] = [closed(entry, known) if entry.get(names) else entry for entry in entries]
 
     def _end(self, screen: Screen) -> int:
         """Keep and show what was found; the exit code."""

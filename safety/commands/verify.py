@@ -1,4 +1,4 @@
-"""Do everything that proofs/ asks for, then write the report: claims, campaigns, fault trees, rates.
+"""Do everything that proofs/ asks for, then write the report: claims, syntheses, campaigns, trees, rates and so on.
 
 The report folder is written when the whole project was worked through; a part of it makes a report only with --to.
 The last line on stdout is the report's path.
@@ -20,7 +20,7 @@ rightside verify --to build/report    the report goes elsewhere, the committed o
 rightside verify --json results.json  all results as one JSON document
 rightside verify -k ring --to ring    a part, with a report of its own
 """
-SECTIONS = ("claims", "campaigns", "trees", "rates")
+SECTIONS = ("claims", "syntheses", "campaigns", "trees", "rates", "figures", "exhibits")
 
 
 def add_arguments(parser: ArgumentParser) -> None:

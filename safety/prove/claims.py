@@ -55,20 +55,20 @@ class Claim:
     formula: Formula
     statement: str
     expect: str
-    requirement: str
-    source: str
-    faults: Budget | None
-    given: Formula | None
-    start: Formula | None
-    lemmas: tuple[Formula, ...]
-    symbolic: tuple[str, ...]
-    settings: Mapping[str, Any]
-    steps: int
-    induction: int
-    arithmetic: str
-    scenario: Scenario | None
-    witness: Scenario | None
-    twin_of: str | None
+    requirement: str = ""
+    source: str = ""
+    faults: Budget | None = None
+    given: Formula | None = None
+    start: Formula | None = None
+    lemmas: tuple[Formula, ...] = ()
+    symbolic: tuple[str, ...] = ()
+    settings: Mapping[str, Any] = field(default_factory=dict)
+    steps: int = 20
+    induction: int = 1
+    arithmetic: str = INTEGERS
+    scenario: Scenario | None = None
+    witness: Scenario | None = None
+    twin_of: str | None = None
     role: str = "claim"
     anywhere: bool = False
     refinement: Any = None
@@ -261,7 +261,7 @@ def watching(registers: dict[Any, State], formula: Formula, seen: Seen) -> Bit:
 def _register(key: Any, make: Callable[[str], State]) -> Term:
     registers = _watch.get()
     if registers is None:
-        raise ModelError("age, persists, once and previous are used inside claims and lemmas only")
+        raise ModelError("age, persists, once, since, previous, last and total are used inside claims and lemmas only")
     if key not in registers:
         registers[key] = make(f"watch.{key[0]}{len(registers)}")
     return registers[key].var
@@ -301,19 +301,41 @@ def once(condition: Bit) -> Bit:
     return cast(Bit, _register(("once", condition.uid), make))
 
 
-def previous(term: Any, initially: Any) -> Any:
-    """The value of one step before; `initially` at the first, `ModelError` unless that is a value of its sort."""
-    if isinstance(initially, Term) and initially.is_const:
-        initially = initially.attr
-    if isinstance(initially, Term) or not term.sort.admits(initially):
-        raise ModelError(
-            f"previous({describe(term)}, {initially!r}): before the first step it is a value of {term.sort}"
-        )
+def since(event: Bit, condition: Bit) -> Bit:
+    """Whether the event has happened before this step, and the condition has held at every step since (not at it)."""
 
     def make(name: str) -> State:
-        return State(variable(name, term.sort), term, initially)
+        held = cast(Bit, variable(name, BIT))
+        return State(held, event | (held & condition), False)
 
-    return _register(("previous", term.uid, type(initially), initially), make)
+    return cast(Bit, _register(("since", event.uid, condition.uid), make))
+
+
+def previous(term: Any, initially: Any) -> Any:
+    """The value of one step before; `initially` at the first, `ModelError` unless that is a value of its sort."""
+    value = _before_the_first("previous", term, initially)
+    return _register(
+        ("previous", term.uid, type(value), value), lambda name: State(variable(name, term.sort), term, value)
+    )
+
+
+def last(term: Any, when: Bit, initially: Any) -> Any:
+    """The value at the last step before this one at which the condition held; `initially` (see above) without one."""
+    value = _before_the_first("last", term, initially)
+
+    def make(name: str) -> State:
+        kept: Any = variable(name, term.sort)
+        return State(kept, select(when, term, kept), value)
+
+    return _register(("last", term.uid, when.uid, type(value), value), make)
+
+
+def _before_the_first(name: str, term: Any, value: Any) -> Any:
+    if isinstance(value, Term) and value.is_const:
+        value = value.attr
+    if isinstance(value, Term) or not term.sort.admits(value):
+        raise ModelError(f"{name}({describe(term)}, {value!r}): before the first step it is a value of {term.sort}")
+    return value
 
 
 def total(term: UInt, upto: int) -> UInt:

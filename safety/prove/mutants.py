@@ -25,6 +25,7 @@ from safety.prove.engines.engine import uses_reals
 from safety.prove.exclusions import exclusions
 from safety.prove.mutation import Mutant
 from safety.prove.mutation_case import Case, Subject
+from safety.prove.mutation_kept import Kills
 from safety.prove.mutation_pair import difference
 from safety.prove.mutation_questions import (
     breakable,
@@ -34,11 +35,11 @@ from safety.prove.mutation_questions import (
     same_from_power_up,
     still_proved,
 )
-from safety.prove.mutation_runs import Course, Lanes, Seen, confirmed, only, single
+from safety.prove.mutation_runs import Course, Lanes, Seen, confirmed, course_of, only, single
 from safety.prove.outcome import Limits, Outcome
 from safety.prove.problem import Problem, premise_name
 from safety.prove.prove import decide
-from safety.system import ModelError, System
+from safety.system import ModelError
 from safety.terms import Bit, bit
 from safety.terms.graph import variables
 
@@ -62,9 +63,9 @@ class Fate:
     how: str = ""
 
 
-def examine(subject: Subject, numbers: Iterable[int]) -> list[Fate]:
-    """What becomes of these mutants."""
-    return _Examination(subject, set(numbers)).fates()
+def examine(subject: Subject, numbers: Iterable[int], kills: Kills | None = None) -> list[Fate]:
+    """What becomes of these mutants; what is found is kept among the kills, and what was found is tried again first."""
+    return _Examination(subject, set(numbers), kills or Kills(None, subject.mutants)).fates()
 
 
 def _length(case: Case) -> int:
@@ -82,8 +83,8 @@ def _alike(problem: Problem, numbers: set[int], timeout: float, known: Sequence[
 class _Examination:
     """What is known of some mutants so far; each step of `fates` takes those away whose fate it settles."""
 
-    def __init__(self, subject: Subject, numbers: set[int]) -> None:
-        self.subject, self.left, self.timeout = subject, numbers, subject.timeout
+    def __init__(self, subject: Subject, numbers: set[int], kills: Kills) -> None:
+        self.subject, self.left, self.timeout, self.kills = subject, numbers, subject.timeout, kills
         self.settled: dict[int, Fate] = {}
         self.differs: dict[int, tuple[str, str]] = {}  # a claim on whose known run it differs, and where
         self.lost: dict[int, dict[Case, str]] = {}  # claims that are not proved any more with their lemmas
@@ -92,11 +93,11 @@ class _Examination:
     def fates(self) -> list[Fate]:
         """All fates, in the order of the mutants."""
         numbers, proved = sorted(self.left), self.subject.proved
-        self._unclaimed()
-        self._drive(doubtful=False)
-        for case in sorted(proved, key=_length):
-            self._run(case)
+        self._kill_again()
         self._equivalent()
+        self._unclaimed()
+        self._run()
+        self._drive(doubtful=False)
         for case in proved:
             self._prove(case)
         self._equivalent_for_claims(self._of_the_step() - self.lost.keys(), found=False)
@@ -118,12 +119,30 @@ class _Examination:
         self.settled[number] = Fate(self.subject.mutants[number], kind, claim, how)
         self.left.discard(number)
 
+    def _broken(self, number: int, case: Case, course: Course, step: int) -> None:
+        """A run on the Python reading breaks a claim at a step."""
+        self.kills.keep(self.subject.mutants[number], case, course, step)
+        self.settle(number, COUNTEREXAMPLE, case.claim.id, f"after {step + 1} steps")
+
+    def _asked(self, case: Case) -> set[int]:
+        """The mutants that can be put to a claim all at once."""
+        return self.left & case.sees - case.restarting
+
     def _unclaimed(self) -> None:
         seen = set().union(*(case.sees for case in (*self.subject.proved, *self.subject.refuted)))
         values = {number for steps in self.subject.mutants.settings.values() for number, _ in steps}
         for number in self.left - seen:
             why = "no claim works with the value as written" if number in values else "no claim depends on it"
             self.settle(number, UNCLAIMED, "", why)
+
+    def _kill_again(self) -> None:
+        """What an earlier run has killed, by the same run."""
+        self.kills.recall(self.left)
+        for case in self.subject.proved:
+            for number, course, step in self.kills.again(case, self.left & case.sees):
+                self._broken(number, case, course, step)
+            if case.claim.witness is not None:
+                self._witness(case, case.claim.witness, self.kills.unmet(case))
 
     def _followed(self, case: Case, numbers: Collection[int]) -> Iterator[tuple[Course, dict[int, Seen]]]:
         """The mutants on the claim's known runs; where they first differ is kept in mind."""
@@ -138,54 +157,65 @@ class _Examination:
                     self.differs.setdefault(number, (case.claim.id, f"{name} differs at step {step} of its run"))
             yield known, found
 
-    def _run(self, case: Case) -> None:
-        """Mutants on the claim's known runs; its witness, if it has one, is the first."""
-        for known, found in self._followed(case, self.left & case.sees):
-            for number, seen in found.items():
-                if seen.broken is not None and number in self.left:
-                    confirmed(self._single(case, number), known, seen.broken)
-                    self.settle(number, COUNTEREXAMPLE, case.claim.id, f"after {seen.broken + 1} steps")
-            witness = case.claim.witness
-            if witness is not None and case.claim.scenario is None and known is case.courses[0]:
-                self._witness(case, witness, {number for number, seen in found.items() if not seen.met})
+    def _run(self) -> None:
+        """Mutants on the claims' known runs, the short ones first; then what shows a premise no more."""
+        unmet: list[tuple[Case, Scenario, set[int]]] = []
+        for case in sorted(self.subject.proved, key=_length):
+            for known, found in self._followed(case, self._asked(case)):
+                for number, seen in found.items():
+                    if seen.broken is not None and number in self.left:
+                        confirmed(self._single(case, number), known, seen.broken)
+                        self._broken(number, case, known, seen.broken)
+                witness = case.claim.witness  # if it has one, it is the first of its runs
+                if witness is not None and case.claim.scenario is None and known is case.courses[0]:
+                    unmet.append((case, witness, {number for number, seen in found.items() if not seen.met}))
+        for case, witness, numbers in unmet:
+            self._witness(case, witness, numbers)
 
     def _single(self, case: Case, number: int) -> Problem:
-        return single(case.stated, self.subject.mutants[number])
+        return case.single(self.subject.mutants[number])
 
     def _drive(self, doubtful: bool) -> None:
         """Mutants on many long runs, all claims that assume the same at once; longer ones where in doubt."""
         for panel in self.subject.panels:
-            numbers = self.left & set().union(*(case.sees for case in panel.cases))
+            numbers = set().union(*(self._asked(case) for case in panel.cases))
             if doubtful:
                 doubts = {n: self.lost.get(n, {}).keys() | self.open.get(n, {}).keys() for n in numbers}
                 numbers = {n for n in numbers if any(case in doubts[n] for case in panel.cases)}
             mutants = [self.subject.mutants[n] for n in sorted(numbers)]
+            if not mutants:
+                continue
             seconds, patience = (DRIVEN[1] * self.timeout, 3) if doubtful else (DRIVEN[0] * self.timeout, 0)
             for number, course, step in panel.drive.broken(mutants, seconds, patience):
                 case = panel.broken_by(self.subject.mutants[number], course, step)
-                self.settle(number, COUNTEREXAMPLE, case.claim.id, f"after {step + 1} steps")
+                self._broken(number, case, course, step)
 
     def _witness(self, case: Case, script: Scenario, numbers: set[int]) -> None:
         """Mutants in which the run that shows a claim's premise shows it no more: then nobody accepts the claim."""
         for number in sorted(self.left & numbers):
             problem = self._single(case, number)
+            premises = [premise_name(problem, i) for i in range(len(problem.premises))]
             try:
-                run = search.scripted(problem, script)
+                run = search.scripted(problem, script, [*premises, "claim.given"])
             except ModelError as error:
-                self.settle(number, VACUOUS, case.claim.id, str(error))
+                self._unmet(number, case, str(error))
                 continue
-            if not any(True in run[premise_name(problem, i)] for i in range(len(problem.premises))):
-                self.settle(number, VACUOUS, case.claim.id, f"its premise is not met in the {script.steps} steps")
+            if not any(True in run[premise] for premise in premises):
+                self._unmet(number, case, f"its premise is not met in the {script.steps} steps")
+
+    def _unmet(self, number: int, case: Case, how: str) -> None:
+        self.kills.keep_unmet(self.subject.mutants[number], case)
+        self.settle(number, VACUOUS, case.claim.id, how)
 
     def _twin(self, case: Case) -> None:
         """A twin kills where it is proved of the mutant; that nothing refutes it in some steps is not enough."""
-        left = self.left & case.sees
+        left = self._asked(case)
         for _, found in self._followed(case, left):
             left = left - {number for number, seen in found.items() if seen.broken is not None}
         if left:
             some = case.some(left)
             left = left - breakable(some, ~some.holds, left, SHORT, uses_reals(some), self.timeout).failed.keys()
-        for number in sorted(left):
+        for number in sorted(left | (self.left & case.sees & case.restarting)):
             outcome = self._decided(case, number)
             if outcome.verdict == PROVED:
                 self.settle(number, TWIN, case.claim.id, f"proved: {outcome.method}")
@@ -211,7 +241,9 @@ class _Examination:
         for case in [*self.lost.get(number, ()), *self.open.get(number, ())]:
             outcome = self._decided(case, number)
             if outcome.verdict == REFUTED:
-                self.settle(number, COUNTEREXAMPLE, case.claim.id, f"after {outcome.steps} steps")
+                assert outcome.counterexample is not None
+                course = course_of(self._single(case, number), outcome.counterexample)
+                self._broken(number, case, course, len(outcome.counterexample) - 1)
                 return
             if outcome.verdict == claims.VACUOUS:
                 self.settle(number, VACUOUS, case.claim.id, outcome.why)
@@ -232,6 +264,8 @@ class _Examination:
 
     def _equivalent(self) -> None:
         asked, timeout = self._of_the_step(), self.timeout
+        if not asked:
+            return
         some = self.subject.mutants.some(asked)
         alike = in_either_reading(
             lambda left, integers: equivalent(some, left, integers, timeout),
@@ -248,20 +282,24 @@ class _Examination:
             mutant = self.subject.mutants[number]
             if mutant.power_up is None:
                 continue
-            about = [healthy, *(case.as_written for case in self.subject.proved if number in case.sees)]
-            if all(same_from_power_up(problem, mutant, uses_reals(problem), self.timeout) for problem in about):
+            seeing = [case for case in self.subject.proved if number in case.sees]
+            about = [healthy, *(case.as_written for case in seeing)]
+            if not any(number in case.restarting for case in seeing) and all(
+                same_from_power_up(problem, mutant, uses_reals(problem), self.timeout) for problem in about
+            ):
                 self.settle(number, EQUIVALENT, "", "the same outputs at power-up, the same registers from then on")
 
     def _prove(self, case: Case) -> None:
-        asked = self.left & case.sees
-        if not asked:
-            return
-        found = still_proved(case.some(asked), asked, case.integers, self.timeout)
-        if found is None:
-            told = {number: (self.open, "it has no proof by induction to compare with") for number in asked}
-        else:
-            told = {number: (self.lost, label) for number, label in found.failed.items()}
-            told |= {number: (self.open, why) for number, why in found.open.items()}
+        asked, told = self._asked(case), {}
+        if asked:
+            found = still_proved(case.some(asked), asked, case.integers, self.timeout)
+            if found is None:
+                told = {number: (self.open, "it has no proof by induction to compare with") for number in asked}
+            else:
+                told = {number: (self.lost, label) for number, label in found.failed.items()}
+                told |= {number: (self.open, why) for number, why in found.open.items()}
+        for number in self.left & case.sees & case.restarting:
+            told[number] = self.open, "a fault gives the register its value at power-up again"
         for number, (where, why) in told.items():
             where.setdefault(number, {})[case] = why
 
@@ -274,8 +312,11 @@ class _Examination:
             some = case.some(numbers)
             steps = min(case.claim.steps, SHORT)
             found = breakable(some, ~some.holds, numbers, steps, uses_reals(some), self.timeout)
-            for number, when in found.failed.items():
-                self.settle(number, COUNTEREXAMPLE, case.claim.id, when)
+            for number in found.failed:
+                problem = self._single(case, number)
+                run = search.bounded(problem, ~problem.holds, steps, uses_reals(problem), self.timeout).run
+                if run is not None:
+                    self._broken(number, case, course_of(problem, run), len(run) - 1)
 
     def _equivalent_for_claims(self, numbers: set[int], found: bool) -> None:
         """Equivalent in every state that proved lemmas and assumptions leave, for each claim that sees the mutant.
@@ -288,28 +329,28 @@ class _Examination:
             return
         healthy = self.subject.healthy(kept)
         known = exclusions(single(healthy, None), timeout) if found else ()
-        always = _alike(healthy, kept, timeout, (*known, *self._lemmas_for(healthy.system, self.subject.open)))
+        registers = {s.var.uid for s in self.subject.mutants.system.states}
+        always = _alike(healthy, kept, timeout, (*known, *self._lemmas_for(registers, self.subject.open)))
         for case in self.subject.proved:
             asked = kept & case.sees
+            if case.claim.anywhere:  # its states are those of no run: enough that its proof still goes through
+                asked = {n for n in asked if case in self.lost.get(n, ()) or case in self.open.get(n, ())}
             if asked:
                 some, as_written = case.some(asked), case.as_written
                 if not case.proved:  # what its lemmas say may be false
                     some, as_written = replace(some, lemmas={}), replace(as_written, lemmas={})
                 known = exclusions(as_written, timeout) if found else ()
-                if not case.claim.faults and case.claim.refinement is None:
-                    known = (*known, *self._lemmas_for(some.system, set(case.claim.symbolic)))
+                known = (*known, *self._lemmas_for(case.untouched, set(case.claim.symbolic)))
                 kept = kept - asked | _alike(some, asked, timeout, known)
                 always |= asked if case.unconditional else set()
         for number in sorted(kept & always):
             self.settle(number, EQUIVALENT, "", "the same step in every state that the claims' invariants leave")
 
-    def _lemmas_for(self, system: System, symbolic: set[str]) -> list[Bit]:
-        """Lemmas of all runs, proved here, that speak of the model's registers only: so they hold for other claims too.
+    def _lemmas_for(self, registers: set[int], symbolic: set[str]) -> list[Bit]:
+        """Lemmas of all runs, proved here, that speak of these registers only: so they hold for other claims too.
 
         A lemma that is proved with a parameter left open holds for each value of it.
         """
-        own = {s.var.uid for s in self.subject.mutants.system.states}
-        registers = own & {s.var.uid for s in system.states}
         return [
             lemma
             for case in self.subject.proved
@@ -330,7 +371,9 @@ class _Examination:
 
     def _search_for_difference(self, number: int) -> bool:
         mutant = self.subject.mutants[number]
-        faulted = [(c.claim.id, c.problem) for c in self.subject.proved if c.claim.faults and number in c.sees]
+        faulted = [
+            (c.claim.id, c.problem) for c in self.subject.proved if c.claim.faults and number in c.sees - c.restarting
+        ]
         for claim, problem in [("", self.subject.healthy({number})), *faulted]:
             some = only(problem, {number})
             found = difference(some, mutant, FAR, uses_reals(some), self.timeout / 4)

@@ -2,25 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import cast
+from typing import Any, cast
 
 from safety.faults import Faulted
-from safety.prove.claims import PROVED, REFUTED, Claim, Seen
+from safety.kinds import GROUP, PART
+from safety.prove.claims import PROVED, REFUTED, Claim, Scenario, Seen
 from safety.prove.engines.engine import in_integers, uses_reals
 from safety.prove.mutation import SELECTOR, Mutant, Mutants, mutants_of
 from safety.prove.mutation_drive import Drive
 from safety.prove.mutation_questions import cone, still_proved, with_open_power_up
 from safety.prove.mutation_runs import Course, Replay, courses, only, single
 from safety.prove.outcome import Limits
-from safety.prove.problem import Problem, build_problem
+from safety.prove.problem import Change, Problem, build_problem
 from safety.prove.prove import decide
 from safety.prove.refinement import build_refinement
 from safety.prove.solve import Disagreement
 from safety.prove.synthesis.synthesise import synthesise
+from safety.system import System
 from safety.terms import Bit, all_of, bit
+from safety.terms.graph import variables
+from safety.tracing import trace
 
 AT_HAND = 32  # steps: a shorter run is replayed with all mutants at hand, a longer one on the mutant by itself
 SYNTHESIS = 30.0  # seconds for finding the lemmas of a claim
@@ -33,12 +37,12 @@ class Case:
     claim: Claim
     mutants: Mutants
     timeout: float
+    twins: Sequence[Scenario] = ()  # of twins that assume the same
 
     @cached_property
     def stated(self) -> Problem:
         """The claim's problem, about the mutant that SELECTOR says."""
-        build = build_refinement if self.claim.refinement is not None else build_problem
-        return build(self.claim, change=self.mutants.for_claim)
+        return self._built(self.mutants.for_claim)
 
     @cached_property
     def as_written(self) -> Problem:
@@ -58,15 +62,68 @@ class Case:
         return claim.given is None and claim.start is None and not claim.settings and by_steps
 
     @cached_property
+    def untouched(self) -> set[int]:
+        """Registers of the model, by variable, that hold in the claim's runs what they hold in healthy ones.
+
+        No fault, no other setting and no start in any state reaches what they depend on.
+        """
+        c, healthy = self.claim, trace(self.claim.model, {}, self.claim.symbolic).state
+        every = {s.var.uid for s in healthy.values()}
+        if c.refinement is not None:
+            return set()
+        if not (c.faults or c.anywhere or c.settings):
+            return every
+        now = self.as_written.system.state
+        same = {p for p, s in healthy.items() if p in now and now[p].next is s.next and now[p].power_up == s.power_up}
+        kept = {healthy[p].var.uid for p in same}
+        reads = {s.var.uid: {v.uid for v in variables([s.next])} & every for s in healthy.values()}
+        while lost := {uid for uid in kept if not reads[uid] <= kept}:
+            kept -= lost
+        return kept
+
+    @cached_property
     def sees(self) -> set[int]:
-        """The mutants that the claim depends on."""
-        numbers, registers = cone(self.problem)
+        """The mutants that the claim depends on; on others it is as true as on the model."""
+        numbers, registers = cone(replace(self.stated, lemmas={}))
         return numbers | {m.number for m in self.mutants.mutants if m.power_up and m.power_up[0] in registers}
+
+    @cached_property
+    def restarting(self) -> set[int]:
+        """Mutants that power up otherwise where a fault of the claim puts that value into the register again.
+
+        The system of all mutants has the value as written there: such a mutant is asked about by itself (`single`).
+        """
+        if not any(fault.kind.place in (PART, GROUP) for fault in self.stated.faults):
+            return set()
+        told = {m.number: m.power_up for m in self.mutants.mutants if m.power_up}
+        other, state = self._powering_up(dict(told.values())).system.state, self.stated.system.state
+        return {n for n, (path, _) in told.items() if path in state and state[path].next is not other[path].next}
+
+    def single(self, mutant: Mutant) -> Problem:
+        """The claim's problem about one mutant, as if the model had been written so."""
+        if mutant.power_up is None or mutant.number not in self.restarting:
+            return single(self.stated, mutant)
+        return single(self._powering_up(dict([mutant.power_up])), mutant)
+
+    def _powering_up(self, values: Mapping[str, Any]) -> Problem:
+        """The claim's problem, some registers with other values at power-up before faults are built in."""
+
+        def change(bare: System) -> System:
+            whole = self.mutants.for_claim(bare)
+            return replace(
+                whole, states=tuple(replace(s, power_up=values.get(s.path, s.power_up)) for s in whole.states)
+            )
+
+        return self._built(change)
+
+    def _built(self, change: Change) -> Problem:
+        build = build_refinement if self.claim.refinement is not None else build_problem
+        return build(self.claim, change=change)
 
     @cached_property
     def courses(self) -> list[Course]:
         """The runs that the claim is known by."""
-        return list(courses(self.as_written, uses_reals(self.as_written), self.timeout))
+        return list(courses(self.as_written, uses_reals(self.as_written), self.timeout, self.twins))
 
     @cached_property
     def problem(self) -> Problem:
@@ -100,6 +157,18 @@ def mutants_for(claims: Sequence[Claim]) -> Mutants:
     return mutants_of(claims[0].model, sorted({path for c in claims for path in (*c.symbolic, *c.settings)}))
 
 
+def assumed(claim: Claim) -> tuple[object, ...]:
+    """All that a run of a claim has to keep, and how it is read."""
+    c = claim
+    return c.faults, c.given, c.start, c.symbolic, c.settings, c.anywhere, c.steps_per_frame, c.refinement
+
+
+def twins_of(claim: Claim, claims: Sequence[Claim]) -> list[Scenario]:
+    """The scenarios of the claim's twins, where they are runs of the claim too."""
+    some = [c for c in claims if c.twin_of == claim.id and c.model is claim.model and assumed(c) == assumed(claim)]
+    return [c.scenario for c in some if c.scenario is not None]
+
+
 class Subject:
     """A model with the claims on it, ready to examine mutants of it; `timeout` in seconds for each question."""
 
@@ -108,7 +177,7 @@ class Subject:
         self.claims = judged(claims)
         self.mutants = mutants_for(self.claims)
         self.open = {path for c in self.claims for path in (*c.symbolic, *c.settings)}
-        cases = [Case(c, self.mutants, timeout) for c in self.claims]
+        cases = [Case(c, self.mutants, timeout, twins_of(c, self.claims)) for c in self.claims]
         self.proved = [case for case in cases if case.claim.expect == PROVED]
         self.refuted = [case for case in cases if case.claim.expect == REFUTED]
         self.panels = panels(self.proved, [case for case in self.refuted if case.claim.scenario is not None])
@@ -180,9 +249,8 @@ def panels(cases: Sequence[Case], scripted: Sequence[Case]) -> list[Panel]:
     """The claims in groups, by what they assume."""
     found: list[tuple[tuple[object, ...], list[Case]]] = []
     for case in cases:
-        c = case.claim
-        key = (c.faults, c.given, c.start, c.symbolic, c.settings, c.anywhere, c.steps_per_frame, c.refinement)
-        alike = next((some for known, some in found if known == key and c.refinement is None), None)
+        key = assumed(case.claim)
+        alike = next((some for known, some in found if known == key and case.claim.refinement is None), None)
         if alike is None:
             found.append((key, [case]))
         else:

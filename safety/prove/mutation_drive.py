@@ -54,6 +54,7 @@ class Drive:
         self.rng = np.random.default_rng(seed)
         self.inputs = list(self.as_written.system.inputs.values())
         self.free = [s for s in self.as_written.system.states if s.power_up is ANY]
+        self.roused = False  # whether swarms are among what courses begin with, and all is watched to its end
         plain = self.as_written
         constants = compared([plain.holds, plain.given, plain.start, *plain.system.roots()])
         self.values = [] if self.reals else [Values(v, constants) for v in self.inputs]
@@ -74,24 +75,30 @@ class Drive:
     def broken(self, mutants: Sequence[Mutant], seconds: float, patience: int) -> Iterator[tuple[int, Course, int]]:
         """Mutants that break the claim, each with the course and the step.
 
-        For about so many seconds of computing, and at most until so many rounds at full depth in a row find nothing.
+        For about so many seconds of computing: on short courses; with some patience also on known ones, and on courses
+        at full depth, those of swarms too, until so many rounds in a row find nothing.
         """
         if self.reals or not self.starts:
             return
+        if patience and not self.roused:
+            self.roused = True
+            known = [(start, columns) for start, columns, _ in self.pool]
+            self.pool = [*self._watched(known, DEEPEST), *self._of_swarms()]
         until, left, fruitless = time.process_time() + seconds, list(mutants), 0
-        horizons = [*SHORT, *SHORT]
-        as_known = patience > 0
-        while left and (horizons or fruitless < patience) and time.process_time() < until:
-            if as_known:
-                courses, as_known = self._known(), False
-            else:
-                steps = min(horizons.pop() if horizons else self.depth, self.depth)
-                courses = [self.course(steps) for _ in range(max(COURSES[0], min(COURSES[1], LANES // len(left))))]
-            found = self._round(left, courses, until)
-            fruitless = 0 if found else fruitless + (not horizons)
+        rounds = [*([None] if patience else []), *SHORT[::-1], *SHORT[::-1]]
+        while left and (rounds or fruitless < patience) and time.process_time() < until:
+            deep = not rounds
+            found = self._round(left, self._courses(self.depth if deep else rounds.pop(0), len(left)), until)
+            fruitless = 0 if found else fruitless + deep
             left = [m for m in left if m.number not in found]
             for number, (course, step) in found.items():
                 yield number, course, step
+
+    def _courses(self, steps: int | None, mutants: int) -> list[tuple[Row, list[Array]]]:
+        """Courses for a round of so many mutants; the known ones where no number of steps is given."""
+        if steps is None:
+            return self._known()
+        return [self.course(min(steps, self.depth)) for _ in range(max(COURSES[0], min(COURSES[1], LANES // mutants)))]
 
     # --- courses -----------------------------------------------------------------------------------------------------
 
@@ -124,7 +131,7 @@ class Drive:
 
     @cached_property
     def pool(self) -> list[Begun]:
-        """Where courses begin: known runs, and those of a swarm."""
+        """Where courses begin: known runs."""
         found = []
         for names, course in self.known:
             by_name = dict(zip(names, zip(*course.rows, strict=True), strict=True)) if names else {}
@@ -132,10 +139,14 @@ class Drive:
             start = self._start_of(course) or self.starts[0]
             arrays = [np.array(c, dtype=lane_type(v)) for c, v in zip(columns, self.inputs, strict=True)]
             found.append((start, arrays))
-        if self.inputs and not self.as_written.given.is_const:
-            for horizon in (*SHORT, self.depth):
-                found += self._of_a_swarm(horizon)
-        return self._watched(found)
+        return self._watched(found, SHORT[-1])
+
+    def _of_swarms(self) -> list[Begun]:
+        """Runs of swarms, short and deep, where something is given that courses may break."""
+        if not self.inputs or self.as_written.given.is_const:
+            return []
+        found = [begun for horizon in (*SHORT, self.depth) for begun in self._of_a_swarm(horizon)]
+        return self._watched(found, DEEPEST)
 
     def _of_a_swarm(self, horizon: int) -> list[tuple[Row, list[Array]]]:
         swarm = Swarm(self.as_written, ~self.as_written.holds, (), int(self.rng.integers(1 << 30)))
@@ -178,8 +189,8 @@ class Drive:
                 break
         return start, columns
 
-    def _watched(self, courses: Sequence[tuple[Row, list[Array]]]) -> list[Begun]:
-        """Courses with the steps at which a wire of the model as it is changes in them."""
+    def _watched(self, courses: Sequence[tuple[Row, list[Array]]], most: int) -> list[Begun]:
+        """Courses with the steps, of so many, at which a wire of the model as it is changes in them."""
         if not courses:
             return []
         system = self.as_written.system
@@ -189,7 +200,7 @@ class Drive:
             np.array([start.get(s.path, s.power_up) for start, _ in courses], dtype=lane_type(s.var))
             for s in system.states
         ]
-        steps = max(len(columns[0]) if columns else 0 for _, columns in courses)
+        steps = min(most, max(len(columns[0]) if columns else 0 for _, columns in courses))
         table = [
             np.stack([_filled(columns[i], steps) for _, columns in courses], axis=1) for i in range(len(self.inputs))
         ]
@@ -263,7 +274,7 @@ class Drive:
 
     def _keep(self, courses: Sequence[tuple[Row, list[Array]]]) -> None:
         """Some new courses to begin with from now on, in place of as many earlier ones."""
-        self.pool[len(self.known) :] = [*self._watched(courses[:NEW]), *self.pool[len(self.known) :]][:LARGEST]
+        self.pool[len(self.known) :] = [*self._watched(courses[:NEW], DEEPEST), *self.pool[len(self.known) :]][:LARGEST]
 
     @staticmethod
     def _power_up(lanes: Lanes, starts: Sequence[Row]) -> list[Array]:

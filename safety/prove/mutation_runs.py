@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from typing import Any, cast
 
 from safety.prove import search
-from safety.prove.claims import REFUTED
+from safety.prove.claims import REFUTED, Scenario
 from safety.prove.mutation import SELECTOR, Mutant, folded, meant
 from safety.prove.problem import Problem, observed, premise_name
 from safety.prove.solve import Disagreement
@@ -77,28 +77,32 @@ def outputs_of(system: System) -> list[str]:
     return [path for path in system.signals if "." not in path]
 
 
-def courses(problem: Problem, integers: bool, timeout: float) -> Iterator[Course]:
-    """The runs that a claim is known by: its scenario and witness, or the shortest ones that a search finds."""
+def courses(problem: Problem, integers: bool, timeout: float, twins: Sequence[Scenario] = ()) -> Iterator[Course]:
+    """The runs that a claim is known by: its scenario and witness, or the shortest ones that a search finds.
+
+    `twins` are the scenarios of its twins, in runs of its own.
+    """
     claim, met = problem.claim, set()
-    for script in (claim.scenario, claim.witness):
+    for script in (claim.scenario, claim.witness, *twins):
         if script is not None:
             run = search.scripted(problem, script)
             met |= _met(problem, run)
-            yield _course(problem, run)
+            yield course_of(problem, run)
     targets = [premise for i, premise in enumerate(problem.premises) if i not in met and not premise.is_const]
     if claim.expect == REFUTED:
         targets = [~problem.holds] if claim.scenario is None else []
     for target in targets:
         found = search.bounded(problem, target, claim.steps, integers, timeout)
         if found.run is not None:
-            yield _course(problem, found.run)
+            yield course_of(problem, found.run)
 
 
 def _met(problem: Problem, run: Trace) -> set[int]:
     return {i for i in range(len(problem.premises)) if True in run[premise_name(problem, i)]}
 
 
-def _course(problem: Problem, run: Trace) -> Course:
+def course_of(problem: Problem, run: Trace) -> Course:
+    """What was chosen in a run of a problem, and what it led to."""
     system = problem.system
     rows = tuple(zip(*(run[path] for path in system.inputs), strict=True)) if system.inputs else ((),) * len(run)
     start = {path: value for path, value in run.chosen.items() if path in system.state}

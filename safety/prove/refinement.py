@@ -15,7 +15,7 @@ from typing import Any, cast
 from safety.faults import Budget, within
 from safety.fields import fit
 from safety.model import Model
-from safety.prove.claims import BITS, Claim, F, Formula, Seen, claim_id, register
+from safety.prove.claims import BITS, Claim, F, Formula, Scenario, Seen, claim_id, register
 from safety.prove.problem import Change, Problem, as_written, equipped
 from safety.system import ANY, ModelError, State, System, nearest, substitute
 from safety.terms import Bit
@@ -50,12 +50,13 @@ def refines(
     search: int = 8,
     twin_of: Callable[..., Any] | None = None,
     faults: Budget | None = None,
+    scenario: Scenario | None = None,
 ) -> Callable[[F], F]:
     """Declare that `lower` refines `upper`; the decorated function reads the upper registers from the lower ones.
 
     `at` says when the lower model stands at a frame boundary; `outputs` are compared after each frame (upper name to
     lower name, or one name for both).  Inputs have one name in both and are held during the frame.
-    `faults` are those of the lower model; the upper one is healthy.
+    `faults` are those of the lower model, the upper one is healthy.  `scenario` is a scripted run in which they part.
     """
 
     def declare(read: F) -> F:
@@ -67,7 +68,7 @@ def refines(
         register(
             Claim(
                 claim_id(read), lower, read, statement, expect, requirement, source, faults, None, None, (), (), {},
-                search, 1, BITS, None, None, twin, role, False, Refinement(upper, steps, read, at, pairs),
+                search, 1, BITS, scenario, None, twin, role, False, Refinement(upper, steps, read, at, pairs),
             )
         )  # fmt: skip
         return read

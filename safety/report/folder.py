@@ -1,4 +1,4 @@
-"""The report folder: results.json, index.html, junit.xml and trees/*.svg, written and checked against the results.
+"""The report folder: results.json, index.html, junit.xml, trees/*.svg, plots/*.svg, written and checked.
 
 Everything in it follows from the canonical results alone, so a committed folder that differs is stale.
 """
@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from safety.report import results as documents
-from safety.report.html import html, picture, slugs
+from safety.report.html import html, picture, plotted, slugs
 from safety.report.junit import junit
 from safety.report.numbers import clean
 from safety.report.results import Results
@@ -29,13 +29,14 @@ class Difference(NamedTuple):
 
 
 def write(results: Results, folder: Path, timings: bool = False) -> list[Path]:
-    """Write the folder, removing pictures of trees that are gone; with timings it is to be read, not committed."""
+    """Write the folder, removing pictures that are gone; with timings it is to be read, not committed."""
     files = _files(results, timings)
     for name, text in files.items():
         documents.write_text(folder / name, text)
-    for drawing in (folder / "trees").glob("*.svg"):
-        if f"trees/{drawing.name}" not in files:
-            drawing.unlink()
+    for drawn in ("trees", "plots"):
+        for drawing in (folder / drawn).glob("*.svg"):
+            if f"{drawn}/{drawing.name}" not in files:
+                drawing.unlink()
     return [folder / name for name in files]
 
 
@@ -67,7 +68,10 @@ def _files(results: Results, timings: bool = False) -> dict[str, str]:
         "junit.xml": junit(shown, timings),
     }
     pictures = {slug: picture(tree) for tree, slug in zip(fixed["trees"], slugs(fixed["trees"]), strict=True)}
-    return files | {f"trees/{slug}.svg": clean(drawn) for slug, drawn in pictures.items() if drawn}
+    plots = [exhibit for exhibit in fixed["exhibits"] if exhibit.get("marks")]
+    drawings = {f"plots/{slug}.svg": plotted(plot, slug) for plot, slug in zip(plots, slugs(plots), strict=True)}
+    drawings |= {f"trees/{slug}.svg": drawn for slug, drawn in pictures.items() if drawn}
+    return files | {name: clean(drawn) for name, drawn in drawings.items()}
 
 
 def _mentioned(results: Results) -> Iterator[str]:

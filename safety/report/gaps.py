@@ -221,6 +221,13 @@ def _tagged(results: Results, tag: str) -> Iterator[Item]:
     for rate in results.get("rates", ()):
         if tag in tags_of(rate.get("source") or ""):
             yield Item(rate["id"], str(rate["source"]), "rates", rate)
+    for figure in results.get("figures", ()):
+        if tag == "A" and figure.get("assumed"):
+            yield Item(figure["id"], "; ".join(figure["assumed"]), "figures", figure)
+    for exhibit in results.get("exhibits", ()):
+        texts = [text for text in exhibit.get("assumed", ()) if tag in tags_of(text)]
+        if texts:
+            yield Item(exhibit["id"], "; ".join(texts), "exhibits", exhibit)
 
 
 def _inputs(entries: list[Entry]) -> Iterator[Item]:
@@ -253,8 +260,9 @@ def _value(value: Any) -> Any:
 def _figures(results: Results) -> Iterator[Item]:
     for figure in results.get("figures", ()):
         if figure["verdict"] not in ("confirmed", "rounding"):
+            meant = f", printed {figure['printed']} for {figure['mended']}" if figure.get("mended") else ""
             note = f": {figure['note']}" if figure.get("note") else ""
-            yield Item(figure["id"], f"{figure['verdict']}{note}", "figures", figure)
+            yield Item(figure["id"], f"{figure['verdict']}{meant}{note}", "figures", figure)
 
 
 def parameters(results: Results) -> list[Entry]:

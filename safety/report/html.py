@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import re
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
@@ -14,9 +14,11 @@ from markupsafe import Markup
 from safety.report import results as documents
 from safety.report.assumed import MARK, assumed_mode, assumed_set, rests_on_assumed
 from safety.report.bars_svg import CLASSES, classes_bar, interval_svg
+from safety.report.figures import ORDER, by_paper
 from safety.report.gaps import gaps, parameters
 from safety.report.histogram_svg import bins, histogram_svg
-from safety.report.numbers import TAGS, bracket_text, clean, exact_text, faults_text, number
+from safety.report.numbers import TAGS, bracket_text, cell_text, clean, exact_text, faults_text, number
+from safety.report.plot_svg import plot_svg
 from safety.report.sarif import replay_command
 from safety.report.schema import SECTIONS, Entry
 from safety.report.standing import WORDS, exit_code, judge, standing
@@ -55,6 +57,8 @@ def html(results: documents.Results, timings: bool = False) -> str:
             code=exit_code(shown),
             judged=list(judge(shown)),
             gaps=gaps(shown),
+            papers=by_paper(shown.get("figures", ())),
+            figure_verdicts=ORDER,
             models=_models(shown.get("claims", [])),
             verdicts=Counter(claim["verdict"] for claim in shown.get("claims", ())),
             refuted=[claim for claim in shown.get("claims", ()) if claim.get("counterexample")],
@@ -87,6 +91,14 @@ def picture(tree: Entry) -> str:
         raise documents.ResultsError(f"trees ({tree['id']}): structure: cannot be drawn: {bad}") from None
 
 
+def plotted(exhibit: Entry, ident: str) -> str:
+    """A plot as SVG, `ident` unique in a page; ResultsError when its marks or axes are none."""
+    try:
+        return plot_svg(exhibit, ident)
+    except (AttributeError, KeyError, OverflowError, TypeError, ValueError, ZeroDivisionError) as bad:
+        raise documents.ResultsError(f"exhibits ({exhibit['id']}): cannot be drawn: {bad}") from None
+
+
 def _environment(results: documents.Results) -> Environment:
     environment = Environment(
         loader=FileSystemLoader(TEMPLATES),
@@ -104,6 +116,7 @@ def _environment(results: documents.Results) -> Environment:
     environment.filters["exact"] = exact_text
     environment.filters["bracket"] = bracket_text
     environment.filters["faults"] = faults_text
+    environment.filters["cell"] = cell_text
     environment.globals.update(
         anchor=lambda section, entry: anchors[section, *documents.key(entry)],
         standing=standing,
@@ -130,6 +143,8 @@ def _environment(results: documents.Results) -> Environment:
         bar=lambda campaign, ident: Markup(classes_bar(campaign["classes"], ident)),
         histogram=lambda latency, what: Markup(histogram_svg(bins(dict(latency["histogram"])), latency["unit"], what)),
         interval=lambda *values, **options: Markup(interval_svg(*values, **options)),
+        is_number=_is_number,
+        plot=lambda exhibit, ident: Markup(plotted(exhibit, ident)),
         tree_picture=lambda tree: Markup(picture(tree)),
     )
     return environment
@@ -151,6 +166,12 @@ def _status(tree: Entry, cut_set: Entry) -> str:
     """Whether a cut set was replayed on the model; said by the set itself, or by the cut sets found on the model."""
     found = {frozenset(found["faults"]): found["status"] for found in tree.get("cut_sets", ())}
     return str(cut_set.get("status") or found.get(frozenset(cut_set["events"])) or "from the tree")
+
+
+def _is_number(rows: Sequence[Sequence[object]], column: int) -> bool:
+    """Whether a column of a table has numbers, and nothing else where it has something."""
+    cells = [row[column] for row in rows if row[column] is not None]
+    return bool(cells) and all(isinstance(c, int | float | Mapping) and not isinstance(c, bool) for c in cells)
 
 
 def _mark(assumed: bool) -> Markup:

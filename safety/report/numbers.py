@@ -46,6 +46,17 @@ def bracket_text(bracket: Mapping[str, Any]) -> str:
     return f"[{exact_text(bracket['low'])}, {exact_text(bracket['high'])}] {bracket.get('unit', '')}".rstrip()
 
 
+def cell_text(cell: Any, decimals: int | None = None) -> str:
+    """A cell of a table: a number with so many decimals where they are said, an int without; None is empty."""
+    if cell is None:
+        return ""
+    value = cell["value"] if isinstance(cell, Mapping) else cell
+    if decimals is None or not isinstance(value, float):
+        return number(value, 6)
+    whole, _, part = f"{value:.{decimals}f}".partition(".")
+    return _grouped(whole).replace("-", "−") + (f".{part}" if part else "")
+
+
 def faults_text(faults: str | Mapping[str, Any] | None) -> str:
     """A fault budget in words: "at most 1 of 12"."""
     if faults is None or isinstance(faults, str):
@@ -73,3 +84,14 @@ def one_line(text: str) -> str:
 def _grouped(digits: str) -> str:
     sign, digits = ("−", digits[1:]) if digits.startswith("-") else ("", digits)
     return sign + (f"{int(digits):,}".replace(",", "\u202f") if len(digits) > 4 else digits)
+
+
+def weakest_text(entry: Mapping[str, Any]) -> str:
+    """The weakest safe value as it was found: `proved from 3613, refuted at 2828 frame`."""
+    above = entry.get("safe") != "below"
+    unit = f" {entry['unit']}" if entry.get("unit") else ""
+    safe, bad = (exact_text(v) if isinstance(v, Mapping) else v for v in (entry["safe_from"], entry["refuted_at"]))
+    if entry.get("everywhere"):
+        return f"proved all over the range, {'from' if above else 'up to'} {safe}{unit}"
+    proved = "proved nowhere" if safe is None else f"proved {'from' if above else 'up to'} {safe}"
+    return f"{proved}, {'not refuted' if bad is None else f'refuted at {bad}'}{unit}"

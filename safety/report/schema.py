@@ -8,19 +8,17 @@ from: P printed in the source, D derived, A assumed, R reconstructed.
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal, Required, TypedDict
+from typing import Any, Literal, Required, TypedDict
 
-import msgspec
+from safety.report.exhibit_schema import Exhibit
+from safety.report.value_schema import Bracket, Exact, Number, Seconds, Synthesis, Tag
 
 SCHEMA = "rightside/1"
-JUDGED = ("claims", "campaigns", "trees", "rates", "figures")  # sections whose entries are as asked or not
+JUDGED = ("claims", "syntheses", "campaigns", "trees", "rates", "figures", "exhibits")  # entries are as asked or not
 SECTIONS = (*JUDGED, "parameters", "requirements", "models")  # all sections: lists of entries, each with an id
 
-Number = int | float | Literal["inf"] | None
 Verdict = Literal["proved", "bounded", "vacuous", "refuted", "undecided"]
 FigureVerdict = Literal["confirmed", "rounding", "misprint", "inconsistent", "not derivable", "assumed"]
-Tag = Literal["P", "D", "A", "R", ""]
-Seconds = Annotated[str, msgspec.Meta(pattern=r"^\d+(\.\d+)?(/[1-9]\d*)?$")]  # exact: "1/8000", "0.5"
 Entry = dict[str, Any]  # one result, as read
 
 
@@ -32,24 +30,6 @@ class Signal(TypedDict, total=False):
     unit: str
     values: list[bool | int | float | str | None]  # from first_tick on; None: any value; a str: an exact rational
     changes: list[list[bool | int | float | str | None]]  # instead of values: [tick, value] at tick 0 and each change
-
-
-class Exact(TypedDict, total=False):
-    """A number as the nearest double and as it is: "p/q"."""
-
-    value: Required[Number]
-    exact: Required[str]
-    unit: str
-
-
-class Bracket(TypedDict, total=False):
-    """The least upper bound of a quantity: `low` is reached at the witness, `high` is proved not to be exceeded."""
-
-    low: Required[Exact | None]
-    high: Required[Exact | None]
-    unit: str
-    relative_width: Number
-    witness: dict[str, str] | None  # exact values; a root is "[low, high]"
 
 
 class Counterexample(TypedDict, total=False):
@@ -346,15 +326,28 @@ class Rate(TypedDict, total=False):
 
 
 class Figure(TypedDict, total=False):
-    """A figure printed in a source, recomputed."""
+    """A figure or sentence printed in a source, recomputed."""
 
     id: Required[str]
     paper: str | None
     where: str | None
+    kind: str  # number, statement, equation, wording, claim
+    requirement: str | None
     printed: Any
     recomputed: Any
     unit: str | None
+    how: str  # the relation
+    claim: str  # whose verdict decides
+    inputs: list[str]  # what entered, each with its tag
     verdict: Required[FigureVerdict]
+    value: dict[str, Any]  # recomputed: value and exact, or low and high where it is enclosed
+    mended: str  # of a misprint: what was meant
+    slip: str  # and how it was spoilt
+    evidence: list[str]  # what else speaks for that
+    assumed: list[str]  # the inputs tagged A
+    agreed_by: list[str]  # solvers that proved it
+    disagreed_by: list[str]
+    counterexample: dict[str, str]  # values at which an equation is false
     note: str | None
     as_expected: bool
     error: str | None
@@ -386,10 +379,12 @@ class Document(TypedDict, total=False):
     project: str
     tool: dict[str, Any]
     claims: list[Claim]
+    syntheses: list[Synthesis]
     campaigns: list[Campaign]
     trees: list[Tree]
     rates: list[Rate]
     figures: list[Figure]
+    exhibits: list[Exhibit]
     parameters: list[Parameter]
     requirements: list[Named]  # {"id", "text"}
     models: list[Named]  # {"id", "sha256", "source"}

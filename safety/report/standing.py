@@ -70,7 +70,9 @@ def standing(section: str, entry: Entry) -> Standing:
         return Standing(INTERNAL, f"internal error: {entry['error']}")
     if section == "claims":
         return _claim(entry)
-    if section == "campaigns" and entry.get("disagreed_by"):
+    if section == "syntheses":
+        return _synthesis(entry)
+    if section in ("campaigns", "figures") and entry.get("disagreed_by"):
         return Standing(DISAGREE, f"engines disagree: {'; '.join(entry['disagreed_by'])}")
     if entry.get("as_expected") is False and not (entry.get("closure") or {}).get("contradictions"):
         return Standing(FAILED, entry.get("note") or "not as expected")
@@ -92,6 +94,18 @@ def _claim(entry: Entry) -> Standing:
     if expected == "refuted" and verdict != "undecided":
         return Standing(code, f"must fail, but is {_strength(entry)}")
     return Standing(code, f"{_strength(entry)}, expected {expected}")
+
+
+def _synthesis(entry: Entry) -> Standing:
+    if entry.get("disagreed_by"):
+        return Standing(DISAGREE, f"engines disagree: {'; '.join(entry['disagreed_by'])}")
+    if entry["safe_from"] is None:
+        code = UNDECIDED if entry["refuted_at"] is None else FAILED
+        return Standing(code, entry.get("why") or "no value is shown to be safe")
+    if not entry["settled"]:
+        open_ = "no value is refuted" if entry["refuted_at"] is None else "proved and refuted values lie too far apart"
+        return Standing(WEAKER, "; ".join(filter(None, [open_, entry.get("why")])))
+    return Standing(AS_ASKED)
 
 
 def _strength(entry: Entry) -> str:

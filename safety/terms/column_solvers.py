@@ -195,3 +195,53 @@ def integer_bitwise(connective: str) -> Solver:
         return total
 
     return row
+
+
+def integer_with_mask(k: Any, x: Any, mask: int, width: int) -> Any:
+    """The bits of a word that a constant lets through: its runs of ones, or all but its runs of zeros."""
+    ones, zeros = runs(mask, width), runs(~mask & (1 << width) - 1, width)
+    if len(zeros) < len(ones):
+        return x - _parts(k, x, zeros, width)
+    return _parts(k, x, ones, width)
+
+
+def _parts(k: Any, x: Any, chosen: list[tuple[int, int]], width: int) -> Any:
+    """The bits of some runs, in their places."""
+    total = k.IntVal(0)
+    for low, high in chosen:
+        above = x / (1 << low) if low else x
+        part = above if high == width else above % (1 << high - low)
+        total = total + part * (1 << low)
+    return total
+
+
+def runs(mask: int, width: int) -> list[tuple[int, int]]:
+    """The runs of ones in a mask, each from its lowest bit to before its highest."""
+    edges = [i for i in range(width + 1) if (mask >> i & 1 if i < width else 0) != (mask >> i - 1 & 1 if i else 0)]
+    return list(zip(edges[::2], edges[1::2], strict=True))
+
+
+def masked(connective: str) -> Solver:
+    """And, or: a constant is a mask, and so is each of those among which a choice is made, as faults make it; else bit
+    by bit."""
+
+    def under(k: Any, x: Any, mask: Term, shown: Any, width: int) -> Any:
+        if mask.is_const:
+            through = integer_with_mask(k, x, int(mask.attr), width)
+            return through if connective == "And" else x + int(mask.attr) - through
+        return k.If(shown.arg(0), *(under(k, x, mask.args[i], shown.arg(i), width) for i in (1, 2)))
+
+    def row(k: Any, t: Term, x: Any, y: Any) -> Any:
+        for mask, shown, other in ((t.args[1], y, x), (t.args[0], x, y)):
+            if of_constants(mask, shown):
+                return under(k, other, mask, shown, t.sort.width)
+        return integer_bitwise(connective)(k, t, x, y)
+
+    return row
+
+
+def of_constants(t: Term, shown: Any) -> bool:
+    """Whether a word is a constant or chosen among constants, and the solver's term is that choice."""
+    if t.is_const or t.op != "select":
+        return t.is_const
+    return shown.num_args() == 3 and all(of_constants(t.args[i], shown.arg(i)) for i in (1, 2))

@@ -76,6 +76,15 @@ def test_run_shows_changes_and_names_what_stays(run: Run) -> None:
     assert "pulse=1" in called.err
 
 
+def test_run_takes_a_pattern_for_inputs_and_the_later_value_wins(run: Run) -> None:
+    assert (
+        run("run", "Counter", "p*=0", "pulse=1", "--steps", "2").out
+        == run("run", "Counter", "pulse=1", "--steps", "2").out
+    )
+    still = run("run", "Counter", "pulse=1", "p*=0", "--steps", "2", "--show", "pulse")
+    assert [line.split() for line in still.out.splitlines()] == [["step", "pulse"], ["0", "0"]]
+
+
 def test_run_takes_rows_settings_and_faults(run: Run, project: Path) -> None:
     put(project, "rows.csv", "pulse\n" + "1\ntrue\n0\n1\n1\n1\n1\n1\n")
     words = ["--csv", "rows.csv", "--set", "limit=4", "--fault", "stuck(0)@seen:1+1", "--fault", "stuck(0)@alarm.out:7"]
@@ -101,6 +110,7 @@ def test_run_writes_a_waveform(run: Run, project: Path) -> None:
         (["Counter"], "needs the input pulse (bit); write pulse=VALUE"),
         (["Counter", "pulse=2"], "pulse is bit: '2'"),
         (["Counter", "puls=1"], "did you mean pulse"),
+        (["Counter", "q*=1"], "no input that fits 'q*'; it has pulse"),
         (["Counter", "pulse"], "NAME=VALUE"),
         (["Counter", "pulse=1", "--steps", "0"], "one step or more"),
         (["Counter", "pulse=1", "--csv", "none.csv"], "none.csv"),

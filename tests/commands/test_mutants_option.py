@@ -68,13 +68,36 @@ def test_a_piece_that_was_examined_is_not_examined_again(run: Run, project: Path
     put(project, "proofs/counter.py", TIGHT)
     assert not marked()
     kept = Cache(project / ".rightside" / "cache", print)
-    (path,) = kept.folder.glob("*.json")
-    record = kept.get(path.stem)
-    kept.put(path.stem, [{**each, "how": "the mark"} for each in record])
+    records = {path.stem: kept.get(path.stem) for path in kept.folder.glob("*.json")}
+    ((key, piece),) = [(key, record) for key, record in records.items() if isinstance(record, list)]
+    kept.put(key, [{**each, "how": "the mark"} for each in piece])
     assert marked()
     assert not marked("--no-cache")
     put(project, "proofs/counter.py", TIGHT.replace("s.n >= 8", "s.n > 7"))
     assert not marked()
+
+
+def test_a_kill_is_run_again_when_other_claims_are_there(run: Run, project: Path) -> None:
+    """With another claim all is examined, beginning with the runs that are kept, seen by a pause put before them."""
+
+    def killed() -> dict[int, str]:
+        run("prove", "--mutants", "-j", "1", "--json", "out.json")
+        found = document(project / "out.json")["mutants"]
+        return {each["number"]: each["how"] for each in found if each["verdict"] == "counterexample"}
+
+    put(project, "proofs/counter.py", TIGHT)
+    before = killed()
+    kept = Cache(project / ".rightside" / "cache", print)
+    for path in kept.folder.glob("*.json"):
+        record = kept.get(path.stem)
+        if isinstance(record, dict) and record["given"]:
+            given = record["given"] | {"inputs": {"pulse": [[False, 1], *record["given"]["inputs"]["pulse"]]}}
+            kept.put(path.stem, record | {"steps": record["steps"] + 1, "given": given})
+    put(project, "proofs/counter.py", TIGHT.replace("s.n >= 8", "s.n > 7"))
+    after = killed()
+    assert before.keys() == after.keys()
+    later = {number for number in before if after[number] != before[number]}
+    assert len(later) > len(before) / 4  # others break the claim at once, and not in the pause
 
 
 def test_settings_are_refused_and_nothing_selected_is_said(run: Run, project: Path) -> None:
@@ -118,6 +141,21 @@ def test_only_a_change_that_is_killed_throughout_is_not_made_again() -> None:
     assert again(one, other, entry("Small", "slack", written="x + 1"))
     assert again(entry("Small", "equivalent", written="x + 1"), entry("Small", "twin", written="x + 0"))
     assert mutants.killed_on([entry("Small", "twin", file=None)]) == {}
+
+
+def test_a_variant_comes_after_the_model_that_it_is_made_from() -> None:
+    """What both share is then examined on the model of which more is claimed."""
+
+    class Bench: ...
+
+    class Variant(Bench): ...
+
+    class Small: ...
+
+    class Great: ...
+
+    sizes = {Great: 100, Variant: 48, Bench: 50, Small: 49}
+    assert sorted(sizes, key=lambda model: mutants._order(model, sizes)) == [Small, Bench, Variant, Great]
 
 
 def test_a_lost_proof_is_no_kill(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from safety.model import Model, parameter, power_up
-from safety.prove.claims import Claim, Seen, age
+from safety.prove.claims import REFUTED, Claim, Scenario, Seen, age
 from safety.prove.mutants import COUNTEREXAMPLE, EQUIVALENT, UNCLAIMED, Fate, examine
 from safety.prove.mutation_case import Case, Panel, Subject
 from safety.prove.mutation_drive import Drive
@@ -108,6 +108,26 @@ def test_claims_that_assume_the_same_run_side_by_side() -> None:
     assert [[case.claim.id for case in panel.cases] for panel in subject.panels] == [
         ["delivered", "again"], ["open"], ["told"],
     ]  # fmt: skip
+
+
+def test_the_runs_of_its_twins_are_known_runs_of_a_claim() -> None:
+    """Where they assume the same; so what shows in them is found without a search."""
+    rings = Scenario(HOLD + 10, {"go": True})
+    twin = replace(DELIVERED, id="twin", expect=REFUTED, twin_of="delivered", scenario=rings)
+    other = replace(twin, id="other", given=lambda s: s.go)
+    (case,) = Subject([DELIVERED, twin, other]).proved
+    assert [len(course.rows) for course in case.courses] == [HOLD + 10]
+    (alone,) = Subject([DELIVERED, other]).proved
+    assert alone.courses == []
+
+
+def test_swarms_come_only_where_a_claim_is_in_doubt() -> None:
+    subject, panel = drive(replace(OPEN, given=lambda s: s.go))
+    early = subject.mutants[number(subject, "(hold - 1): 0 for 1")]
+    assert list(panel.drive.broken([early], 2.0, 0)) == []
+    assert not panel.drive.roused
+    assert list(panel.drive.broken([early], 2.0, 1)) == []
+    assert panel.drive.roused
 
 
 def test_a_course_keeps_to_what_its_start_admits() -> None:
