@@ -13,7 +13,7 @@ from models.ts7.ring import Ring
 from models.ts7.signals import Selection
 from models.ts7.system import Ts7
 from models.ts7.threshold import Thresholds
-from models.ts7.train import Bench
+from models.ts7.train import SCALE, Bench
 from models.ts7.voting import CommonPart
 from proofs.ts7_brake_chain import CHANNELS, RELEASE
 from proofs.ts7_formulas import Formula, named
@@ -330,3 +330,17 @@ def lowered_just_in_a_window_of_others(s: Seen) -> Bit:
 def lowered_in_every_window(s: Seen) -> Bit:
     """Every channel's limit is lowered while a window is open, that of the first to brake too."""
     return all_of(*(s[n].lowered == s.common.sync.window.open for n in CHANNELS))
+
+
+@claim(Ts7, symbolic=["wheel"], expect=PROVED, requirement="TS7-5", source="one switch [P]; right as delivered [A]",
+       witness=Scenario(3, {"speed": 164 * SCALE - 1}))  # fmt: skip
+def axle_turns_by_the_switch_as_delivered(s: Seen) -> Bit:
+    """As delivered the wheel has the diameter that the switch shows: a pulse comes just where its period is full."""
+    return s.axle.pulse == (s.axle.phase + s.speed >= SCALE * s.wheel.int())
+
+
+@claim(Ts7, symbolic=["wheel"], expect=REFUTED, requirement="TS7-5", twin_of=axle_turns_by_the_switch_as_delivered,
+       scenario=Scenario(3, {"speed": 160 * SCALE}))  # fmt: skip
+def axle_turns_by_the_smallest_wheel(s: Seen) -> Bit:
+    """As delivered the wheel has 780 mm, whatever the switch shows."""
+    return s.axle.pulse == (s.axle.phase + s.speed >= SCALE * 156)
