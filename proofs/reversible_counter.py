@@ -196,7 +196,7 @@ def overspeed_by_a_pulse_brakes(s: Seen) -> Bit:
 @claim(ReversibleCounter, expect=REFUTED, requirement="RC-2", twin_of=overspeed_by_a_pulse_brakes,
        scenario=Scenario(12_800, FAST, start={"divider.rest": DIVISOR - 1}))  # fmt: skip
 def overspeed_by_a_pulse_brakes_in_1_994_s(s: Seen) -> Bit:
-    """It brakes within 12 795 steps (1.994 s)."""
+    """The brake stays from 12 795 steps (1.994 s) on; a single step with it may come before."""
     return implies(persists(faster_by_one(s), 12_795), s.brake)
 
 

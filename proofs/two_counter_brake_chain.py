@@ -14,17 +14,14 @@ One step is an oscillator period.  Source: property 4, at most 2 n2E + 5 pulses 
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
+from models.two_counter.circuit import READ_OUT, RESET, START
+from models.two_counter.numbers import N1F
+from proofs.two_counter_formulas import EDGE, Formula, least_too_fast, named
 from safety import Bit, Int, Seen, age, any_of, implies, new_fault, select
 
-Formula = Callable[[Seen], Bit]
-
-EDGE = 1_000_000  # turning from edge to edge, speed units
-N1F = 2000
 FULL = 2048  # edges after which counter 2 is at 0 again
-READ_OUT, RESET, START = 2, 4, 8  # edges after the end of a count
 
 
 def never(s: Seen) -> Bit:
@@ -43,7 +40,7 @@ class Chain:
     @property
     def speed(self) -> int:
         """The least speed at which a brake is certain, whatever the phase."""
-        return -(-500 * self.m * N1F // (N1F - 1))
+        return least_too_fast(self.m)
 
     @property
     def braked(self) -> int:
@@ -82,7 +79,7 @@ class Chain:
     def lemmas(self) -> list[Formula]:
         """All invariants."""
         found = [self._period, self._cleared, self._counted, self._worked_off]
-        return [named((one.__doc__ or "").partition(".")[0], one) for one in found]
+        return [named((one.__doc__ or "").partition(".")[0], lambda s, one=one: one(s)) for one in found]
 
     def _period(self, s: Seen) -> Bit:
         """Counter 2 is within its period."""
@@ -111,13 +108,3 @@ class Chain:
 def opened(s: Seen) -> Int:
     """For how many steps the gate has been open."""
     return age(s.gate, FULL).int()
-
-
-def named(name: str, formula: Formula) -> Formula:
-    """The formula under the name by which results show it."""
-
-    def lemma(s: Seen) -> Bit:
-        return formula(s)
-
-    lemma.__name__ = name
-    return lemma

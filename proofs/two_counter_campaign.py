@@ -16,7 +16,7 @@ mode that is so by itself, and these 8 are the pairs of the proof, 1024 added to
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from fractions import Fraction
 from typing import Any
@@ -27,14 +27,15 @@ from proofs.two_counter_hazards import (
     CHAIN,
     HARMLESS_STAGES,
     LINES,
-    WITHIN,
     overspeed_without_brake,
     overspeed_without_brake_by_a_stage,
 )
 from proofs.two_counter_parts import COMPONENTS, INVENTED, mode_rate
-from safety import ANY_TIME, TRANSIENT, Bit, Fault, Model
+from proofs.two_counter_rides import struck
+from safety import Bit, Model
 from safety.inject import Campaign, Group, Wires
 
+WITHIN = 500_000  # 250 km/h on the frequency scale, 8.75 km/h below the threshold
 RUN_IN = 2200  # released by then
 MOMENTS = {"early": (3000, 4182), "late": (4100, 4182), "midst": (5900, 5901)}  # steps of fault and overspeed
 
@@ -52,15 +53,6 @@ def unbraked(allowed: int) -> Callable[[Wires], Bit]:
 def stopped(wires: Wires) -> Bit:
     """A brake within the limit."""
     return wires["brake"] & ~too_fast(wires)
-
-
-def struck(faults: Sequence[Fault], strike: int, begins: int) -> Iterator[Fault]:
-    """Permanent faults from `strike` on; transient ones are over when the overspeed begins."""
-    for fault in faults:
-        if fault.onset == TRANSIENT:
-            yield replace(fault, at=begins - 1 - (fault.ticks or 1))
-        else:
-            yield replace(fault, onset=ANY_TIME, at=strike)
 
 
 def groups(strike: int, begins: int) -> Iterator[Group]:

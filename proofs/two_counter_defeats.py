@@ -5,22 +5,36 @@ speed for 6000 periods (0.94 s), and no brake comes.  Where a fault only moves t
 than that.  Sizes of the faults are those of models/two_counter/failures.py.
 Source: failures (a) to (m) of the specification's property 15 [D]; the paper concedes them in general (2.2) [P].
 
-Main results: every one of them is a single fault, so each is a cut set of order 1.  Signal 3 missing holds the release
-for the 2048 edges of counter 2 only, for then signal 1 comes again and finds FF6 reset: late at 5 km/h, not at 250.
+Main results: every one of them is a single fault, so each is a cut set of order 1.  A unit of n2E too many permits
+0.5 km/h more, and no more.  Signal 3 missing holds the release for the 2048 edges of counter 2 only, for then signal 1
+comes again and finds FF6 reset: late at 5 km/h, not at 250.
 """
 
 from __future__ import annotations
 
 from dataclasses import replace
+from fractions import Fraction
 from typing import NamedTuple
 
 from models.two_counter.equipment import Equipment
 from models.two_counter.failures import component_faults, stage
 from models.two_counter.numbers import CHECK_SPEEDS
+from models.two_counter.train import KMH
 from models.two_counter.variants import LevelReset, NoDefault
-from proofs.two_counter_formulas import ROWS, greatest_permitted, least_too_fast, named
+from proofs.two_counter_decision import runs_ahead
+from proofs.two_counter_formulas import (
+    ROWS,
+    far_enough,
+    greatest_permitted,
+    least_too_fast,
+    limit_of_release,
+    named,
+    preparation_in_order,
+    steadily,
+    through_the_window,
+)
 from proofs.two_counter_response import overspeed_brakes_in_time
-from safety import ANY_TIME, REFUTED, Bit, Fault, Scenario, Seen, age, any_of, any_of_faults, claim, implies
+from safety import ANY_TIME, PROVED, REFUTED, Bit, Fault, Scenario, Seen, age, any_of, any_of_faults, claim, implies
 
 NAMED = {fault.name: fault for fault in component_faults()}
 LONG_ENOUGH = 6000  # periods: by far more than a healthy one needs, 4018 at 250 km/h and 4349 at 5
@@ -121,3 +135,35 @@ def brakes_with_and3_as_a_level(s: Seen) -> Bit:
     """AND3 stuck at 1 behind its strobe: too fast for 0.94 s, and it brakes.  False: the level resets FF2 again after
     each reading."""
     return brakes(s, 250, 600_000)
+
+
+# --- (e): by how much a preset that is too large defeats it ----------------------------------------------------------
+
+LARGER = ROWS[250] + 2  # edges: a unit of n2E
+ONE_UNIT = {"selection.m250": LARGER}
+
+
+def larger_preset_in_order(s: Seen) -> Bit:
+    """In the preparation counter 2 is below 8; from signal 2 on FF6 and counter 1 are reset; no count passes 1037."""
+    return preparation_in_order(s, LARGER)
+
+
+def read_at(s: Seen, speed: Fraction) -> Bit:
+    """At this speed or faster all through a window under the larger preset: its reading brakes."""
+    return implies(s.signal1 & through_the_window(s, far_enough(s, lambda m: speed, [LARGER])), s.brake)
+
+
+@claim(Equipment, settings=ONE_UNIT, lemmas=[larger_preset_in_order, runs_ahead(presets=[LARGER])], expect=PROVED,
+       requirement="TC-15", source="[D] (e), (5)", witness=steadily(250, least_too_fast(LARGER)))  # fmt: skip
+def a_unit_more_of_n2e_permits_half_a_kmh_more(s: Seen) -> Bit:
+    """(e) With n2E a unit (two edges) larger at 250 km/h: from n1F/(n1F - 1) times f2E + 0.5 km/h on every reading
+    brakes."""
+    return read_at(s, limit_of_release(LARGER))
+
+
+@claim(Equipment, settings=ONE_UNIT, expect=REFUTED, defeat=True, requirement="TC-15", source="[D] (e)",
+       scenario=steadily(250, greatest_permitted(LARGER)),
+       twin_of=a_unit_more_of_n2e_permits_half_a_kmh_more)  # fmt: skip
+def a_unit_more_of_n2e_permits_less(s: Seen) -> Bit:
+    """(e) So it does at f2E + 0.5 km/h.  False: at that speed every reading releases."""
+    return read_at(s, Fraction(greatest_permitted(ROWS[250]) + KMH // 2))

@@ -1,8 +1,9 @@
 """Two-counter ATC: the equations of the paper and its words about them, judged by the theory behind them.
 
 The theory: counter 2 keeps the gate open for n2E speed pulses, counter 1 counts f1 meanwhile; a sample is Tp + Tc, of
-N = n2E + 4 pulses.  Figure 2: the first count t1..t3 is just missed, so the speed at t2, halfway, is V'E; the next
-sample ends at t4.  All symbols without a definition are free and above 0.
+N speed pulses.  Figure 2: the first count t1..t3 is just missed, so the speed at t2, halfway, is V'E; the next
+sample ends at t4.  All symbols without a definition are free and above 0.  A rule "brake where ..." is asked both ways:
+it brakes where a brake is due, and nowhere else.
 Source: equations (1) to (25), sections 2 to 4 [P]; figure 2 [R]; steady state of (1) [D].
 
 Main results: (6) has a wrong symbol, (7) holds only without preparation, (1) adds a frequency to a number, the words at
@@ -14,6 +15,7 @@ from __future__ import annotations
 from models.two_counter.numbers import COUNTING_S, N1F, N1F_RANGE
 from safety.audit import Paper, assumed, derived, printed
 
+COUNTING_RANGE = ("0.3117388", "0.3117396")  # Tc that the seven frequencies of table 2(A) leave
 TITLE = "T. Konishi, Automatic Train Control by Digital Device (1967)"
 paper = Paper("two_counter", TITLE).under("TC-A")
 
@@ -30,7 +32,8 @@ SYMBOLS = (  # name, unit, what it is, definition
     ("n_sum", "1", "its reading if it sums over one unit of time", ""),
     ("Tp", "s", "preparation", ""),
     ("Ts", "s", "sampling time", "Tp + Tc"),
-    ("n1", "1", "pulses of f1 while n2E speed pulses come", "f1*(n2E/f2)"),
+    ("W", "s", "time that the gate is open", ""),
+    ("n1", "1", "pulses of f1 while the gate is open", "f1*W"),
     ("n2E", "1", "speed pulses counted", "f2E*Tc"),
     ("n_min", "1", "least n2E that the setting asks for", ""),
     ("ε", "km/h", "setting accuracy asked for", ""),
@@ -61,8 +64,8 @@ SYMBOLS = (  # name, unit, what it is, definition
 for _name, _unit, _about, _by in SYMBOLS:
     paper.symbol(_name, _unit, _about, by=_by)
 paper.symbol("α", "km/h/s", "acceleration", printed("1", exact=True))
-paper.symbol("n1F", "1", "count that releases", assumed(N1F, *N1F_RANGE))
-paper.symbol("Tc", "s", "counting time", derived(COUNTING_S), by="n1F/f1")
+paper.symbol("n1F", "1", "count that releases", assumed(N1F, *N1F_RANGE, whole=True))
+paper.symbol("Tc", "s", "counting time", derived(COUNTING_S, *COUNTING_RANGE), by="n1F/f1")
 
 
 paper.equation("eq1", "n = f2/(k*f1 + 1)", where="(1)")
@@ -72,10 +75,12 @@ paper.equation(
     where="(1), read as a sum over one unit of time",
     given={"n": "n_sum", "f2": "n_sum/U + k*n_sum*f1"},
 )
-paper.equation("eq2", "n >= nE", where="(2): brake", when=("f2 >= f2E",))
-paper.equation("eq3", "n1 = f1*n2E/f2", where="(3)")
-paper.equation("eq4", "n1 <= n1F", where="(4): brake", when=("f2 >= f2E",))
-paper.equation("eq4_and_circuit", "n1 < n1F", where="(4) against section 5: brake until n1F", when=("n1 <= n1F",))
+paper.rule("eq2", "n >= nE", where="(2): brake", iff="f2 >= f2E")
+paper.equation("eq3", "n1 = f1*n2E/f2", where="(3)", given={"n2E": "f2*W"}, note="both count while the gate is open")
+GATE = {"W": "n2E/f2"}  # until n2E speed pulses have come
+paper.rule("eq4", "n1 <= n1F", where="(4): brake", iff="f2 >= f2E", given=GATE)
+paper.rule("circuit", "n1 < n1F", where="section 5: brake unless counter 1 reaches n1F", iff="f2 > f2E", given=GATE)
+paper.rule("eq4_and_circuit", "n1 < n1F", where="(4) against section 5: brake", iff="n1 <= n1F", given=GATE)
 paper.equation(
     "eq5",
     "ΔVs = VE/n1F",
@@ -95,8 +100,10 @@ paper.equation("eq10", "ΔV1 = α*T''c/2", where="(10)")
 paper.equation("eq11", "ΔV2 = α*T''s", where="(11)")
 paper.equation("eq12", "T''s = (sqrt(1 + 2*α*T's*V'E/VF^2) - 1)*VF/α", where="(12)")
 paper.equation("eq13", "ΔVd = ΔV1 + ΔV2", where="(13)")
-paper.equation("eq14", "ΔVd = α*T''c/2 + (sqrt(1 + 2*α*T's*V'E/VF^2) - 1)*VF", where="(14)")
-paper.equation("eq15_16", "ΔV = VE/n1F + α*Ts*(T''c/(2*Ts) + T''s/Ts)", where="(15), (16)")
+EQ_14 = "α*T''c/2 + (sqrt(1 + 2*α*T's*V'E/VF^2) - 1)*VF"
+paper.equation("eq14", f"ΔVd = {EQ_14}", where="(14)")
+paper.equation("eq15", "ΔV = VE/n1F + α*(T''c/2 + T''s)", where="(15) [R]: (5) and (13) with (10) and (11)")
+paper.equation("eq16", "ΔV = VE/n1F + α*Ts*(T''c/(2*Ts) + T''s/Ts)", where="(16)")
 paper.equation("eq17", "n1F = f1*n2E/f2E", where="(17)")
 
 SHARE = {"K": "T''c/(2*Ts) + T''s/Ts"}  # printed below (18)
@@ -128,8 +135,8 @@ paper.wording(
     says="ΔV does not depend on α",
     given={**ERROR, "f1": "K*α*n1F^2/VE"},
 )
-paper.equation(
-    "eq24", "f1 <= f2E/n2E*n1F", where="(24), n2E being its limit", given={"n2E": "n_min"}, when=("f2E*Tc >= n_min",)
+paper.rule(
+    "eq24", "f1 <= f2E/n2E*n1F", where="(24), n2E being its lower limit", iff="f2E*Tc >= n_min", given={"n2E": "n_min"}
 )
 paper.wording(
     "at_eq24_direction",
@@ -139,8 +146,8 @@ paper.wording(
     given={"n2E": "f2E*(Ts - Tp)"},
     when=("Ts > Tp",),
 )
-paper.equation(
+paper.rule(
     "at_eq24_limit", "n2E <= VE/ε", where="at (24): the setting accuracy VE/n2E gives an upper limit of n2E",
-    when=("VE/n2E <= ε",),
+    iff="VE/n2E <= ε",
 )  # fmt: skip
 paper.equation("eq25", "ΔVd = V21 - V20 - ΔV1", where="(25)")

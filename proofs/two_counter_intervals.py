@@ -8,10 +8,10 @@ Source: preset, 4 pulses of preparation, read-out after 1 [D].
 
 from __future__ import annotations
 
+from models.two_counter.circuit import READ_OUT
 from models.two_counter.equipment import Equipment
 from proofs.two_counter_formulas import (
     PREPARATION,
-    READ_OUT,
     counting,
     edges,
     greatest_permitted,

@@ -11,7 +11,10 @@ Source: monotone counts [D]; drifts [A].
 from __future__ import annotations
 
 from collections.abc import Callable
+from fractions import Fraction
+from math import ceil
 
+from models.two_counter.circuit import READ_OUT
 from models.two_counter.equipment import Equipment
 from models.two_counter.numbers import N1F, PRESETS
 from models.two_counter.pairs import TwoOscillators, TwoTrains
@@ -19,18 +22,19 @@ from models.two_counter.train import KMH
 from proofs.two_counter_decision import runs_ahead
 from proofs.two_counter_formulas import (
     EDGE,
+    FAR,
     PREPARATION,
-    READ_OUT,
     ROWS,
     Formula,
-    at_least,
+    far_enough,
     greatest_permitted,
-    least_too_fast,
+    limit_of_release,
     line,
     named,
     preparation_in_order,
     steadily,
     through_the_window,
+    turned,
 )
 from safety import (
     PROVED,
@@ -74,14 +78,20 @@ def one_preset(s: Seen) -> Bit:
     return (m == previous(m, PRESETS[-1])) | ~once(bit(True))
 
 
-def never_slower(s: Seen) -> Bit:
-    """The second train is never slower than the first; one check speed."""
-    return one_preset(s) & (s.speed_a <= s.speed_b)
+def never_behind(s: Seen) -> Bit:
+    """From the first step on the second train has come no less far than the first; one check speed.
+
+    It has where it is never slower, also of speeds between whole units.
+    """
+    a, b = turned(s.speed_a).int() + s.speed_a, turned(s.speed_b).int() + s.speed_b
+    return one_preset(s) & (a <= b) & (b < FAR)
 
 
 def place(s: Seen, train: str) -> Int:
-    """Way since the last signal 3 or the last closing of the gate."""
-    return EDGE * s[train].circuit.counter2.n.int() + s[train].train.phase
+    """Way since the opening of its gate, as its counter 2 and phase have it, up to the next signal 3."""
+    counter = s[train].circuit.counter2
+    closed = select(counter.counting, 0, previous(s["first.selection.preset"], PRESETS[-1]).int())
+    return EDGE * (counter.n.int() + closed) + s[train].train.phase
 
 
 def both_too_fast() -> Scenario:
@@ -110,17 +120,19 @@ def abreast_or_ahead(s: Seen) -> Bit:
     """Until the first train is read the second is ahead; what the second was found safe for, so is the first."""
     a, b = (s[t].circuit for t in TRAINS)
     m = previous(s["first.selection.preset"], PRESETS[-1])
-    ahead = place(s, "second") >= place(s, "first")
+    a_way, b_way = turned(s.speed_a).int(), turned(s.speed_b).int()
+    ahead = (a_way <= b_way) & (place(s, "second") - b_way == place(s, "first") - a_way)
     no_worse = implies(b.ff6.on, a.ff6.on) & (pulses(s, "first") >= pulses(s, "second"))
     same = ~(a.ff6.on ^ b.ff6.on) & (a.counter1.n == b.counter1.n) & (pulses(s, "first") == pulses(s, "second"))
     both = ahead & same & ~released(s, "second") & (b.counter2.n < m) & (a.counter2.n < m)
-    left = no_worse & ~released(s, "second") & (b.counter2.n < READ_OUT)
-    unread = select(a.counter2.counting, select(b.counter2.counting, both, left), ~b.counter2.counting & ahead & left)
+    waits = select(a.counter2.counting, a.counter2.n < m, a.counter2.n < READ_OUT)
+    left = ahead & waits & no_worse & ~released(s, "second") & (b.counter2.n < READ_OUT)
+    unread = select(a.counter2.counting, select(b.counter2.counting, both, left), ~b.counter2.counting & left)
     read = implies(released(s, "second"), a.ff6.on) & (pulses(s, "first") >= pulses(s, "second"))
-    waits = a.counter2.counting | (a.counter2.n < READ_OUT)
-    under_way = has_read(s, "first") | (waits & select(has_read(s, "second"), read, unread))
+    due = a.counter2.counting | (a.counter2.n < READ_OUT)
+    under_way = has_read(s, "first") | (due & select(has_read(s, "second"), read, unread))
     nothing = [~has_read(s, t) & ~released(s, t) & (pulses(s, t) == 0) for t in TRAINS]
-    return select(once(bit(True)), under_way, all_of(opened_together(s), *nothing))
+    return select(once(bit(True)), under_way, all_of(opened_together(s), a_way == 0, b_way == 0, *nothing))
 
 
 def first_reading(s: Seen, train: str) -> Bit:
@@ -140,11 +152,11 @@ def lasts_no_shorter(s: Seen) -> Bit:
     return has_read(s, "first") | (pulses(s, "first") >= pulses(s, "second"))
 
 
-@claim(TwoTrains, anywhere=True, start=opened_together, given=never_slower, lemmas=[abreast_or_ahead], expect=PROVED,
+@claim(TwoTrains, anywhere=True, start=opened_together, given=never_behind, lemmas=[abreast_or_ahead], expect=PROVED,
        requirement="TC-13", source="[D]", witness=both_too_fast())  # fmt: skip
 def of_two_windows_the_faster_is_judged_no_better(s: Seen) -> Bit:
-    """Two windows open at one instant, one train never slower than the other: its window lasts no longer and counts no
-    more, and where the slower train's reading brakes, so does its."""
+    """Two windows open at one instant, one train never behind the other from then on, as one that is never slower:
+    its window lasts no longer and counts no more, and where the other's reading brakes, so does its."""
     return judged_no_better(s) & lasts_no_shorter(s)
 
 
@@ -173,10 +185,10 @@ def later_and_faster() -> Scenario:
     return Scenario(8000, {**line(250), "speed_a": at(slow // 2), "speed_b": at(slow)})
 
 
-@claim(TwoTrains, given=never_slower, expect=REFUTED, requirement="TC-13", source="[D]", scenario=later_and_faster(),
+@claim(TwoTrains, given=never_behind, expect=REFUTED, requirement="TC-13", source="[D]", scenario=later_and_faster(),
        twin_of=of_two_windows_the_faster_is_judged_no_better)  # fmt: skip
 def reading_by_reading_the_faster_is_judged_no_better(s: Seen) -> Bit:
-    """From power-up on, one train never slower than the other: where the third reading of the slower one brakes, so
+    """From power-up on, one train never behind the other: where the third reading of the slower one brakes, so
     does the third of the faster one.  False: the slower run's window lies later, in a faster stretch."""
     both = (readings(s, "first") == 3) & (readings(s, "second") == 3)
     return implies(both & brakes_at_the_third(s, "first"), brakes_at_the_third(s, "second"))
@@ -255,14 +267,14 @@ def limit_with(error: int) -> None:
     """Declare: an oscillator so many ppm off moves the limit of no release in proportion, exactly."""
     edge = EDGE + error  # ppm: a step of EDGE = 10**6 units becomes shorter by as many
 
-    def limit(m: int) -> int:
-        return least_too_fast(m, edge)
+    def limit(m: int) -> Fraction:
+        return limit_of_release(m, edge)
 
     def formula(s: Seen) -> Bit:
-        return implies(s.signal1 & through_the_window(s, at_least(s, limit)), s.brake)
+        return implies(s.signal1 & through_the_window(s, far_enough(s, limit)), s.brake)
 
     def one_less(s: Seen) -> Bit:
-        return implies(s.signal1 & through_the_window(s, at_least(s, lambda m: limit(m) - 1)), s.brake)
+        return implies(s.signal1 & through_the_window(s, far_enough(s, lambda m: limit(m) - 1)), s.brake)
 
     how = f"{abs(error) / 10_000:g} % {'fast' if error > 0 else 'slow'}"
     name = f"no_release_with_an_oscillator_{abs(error)}_ppm_{'fast' if error > 0 else 'slow'}"
@@ -271,8 +283,8 @@ def limit_with(error: int) -> None:
     settings = {"oscillator.error": error}
     lemmas = [preparation_in_order, runs_ahead(edge)]
     claim(Equipment, settings=settings, lemmas=lemmas, expect=PROVED, requirement="TC-7", source="[D] (3)",
-          witness=steadily(5, limit(ROWS[5])))(named(name, formula))  # fmt: skip
-    run = steadily(250, limit(ROWS[250]) - 1, edge=edge)
+          witness=steadily(5, ceil(limit(ROWS[5]))))(named(name, formula))  # fmt: skip
+    run = steadily(250, ceil(limit(ROWS[250]) - 1), edge=edge)
     claim(Equipment, settings=settings, expect=REFUTED, requirement="TC-7", scenario=run, twin_of=formula)(
         named(f"{name}_one_unit_slower", one_less)
     )

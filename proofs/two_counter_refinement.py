@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from models.two_counter.circuit import READ_OUT
 from models.two_counter.equipment import Equipment
 from models.two_counter.failures import component_faults
 from models.two_counter.numbers import N1F
@@ -14,7 +15,6 @@ from models.two_counter.samples import Samples
 from models.two_counter.train import KMH
 from proofs.two_counter_formulas import (
     PREPARATION,
-    READ_OUT,
     counted,
     counting,
     edges,

@@ -1,7 +1,7 @@
 """Two-counter ATC: how soon the brake comes, from any moment of a sampling period and after a change of the preset.
 
-One step is one oscillator period, 155.8695 us; speeds in 1/2000 km/h on the frequency scale.  Overspeed: f2E * n1F/
-(n1F - 1) or more, for the check speed selected, which is kept meanwhile.
+One step is one oscillator period, 155.8695 us; speeds in whole 1/2000 km/h on the frequency scale.  Overspeed: from the
+next 1/2000 km/h at or above f2E * n1F/(n1F - 1) on, for the check speed selected, which is kept meanwhile.
 
 Main results: overspeed brakes within 2m + 10 edges, whatever came before, and the brake stays: 4018 periods
 (0.6263 s) at 250 km/h, 4349 (0.6779 s) at 5, exact for each of the seven presets.  After a change of the check speed
@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from models.two_counter.circuit import READ_OUT
 from models.two_counter.equipment import Equipment
 from models.two_counter.numbers import CHECK_SPEEDS, N1F, PRESETS
 from models.two_counter.train import KMH
@@ -21,7 +22,6 @@ from models.two_counter.variants import EqualityDecoder
 from proofs.two_counter_formulas import (
     EDGE,
     PREPARATION,
-    READ_OUT,
     ROWS,
     at_each,
     at_least,
@@ -109,7 +109,8 @@ LEMMAS = [preparation_in_order, way_to_the_brake]
 @claim(Equipment, lemmas=LEMMAS, expect=PROVED, requirement="TC-4", source="[D] 2 n2E + 5 pulses",
        witness=each_in_turn())  # fmt: skip
 def overspeed_brakes_in_time(s: Seen) -> Bit:
-    """All seven presets, from any moment: overspeed for (2 n2E + 5)/f2E brakes, and brakes as long as it lasts."""
+    """All seven presets, from any moment: overspeed, from the next 1/2000 km/h above the limit on, for (2 n2E + 5)/f2E
+    brakes, and brakes as long as it lasts."""
     return all_of(
         *(implies((preset(s) == m) & overspeed(s) & (lasting(s) >= periods(m) - 1), s.brake) for m in ROWS.values())
     )
@@ -210,8 +211,8 @@ AFTER = [preparation_in_order, progress]
 @claim(Equipment, lemmas=AFTER, expect=PROVED, requirement="TC-14", source="[D] m/2 + 6 pulses and the rest",
        witness=lowered())  # fmt: skip
 def another_check_speed_brakes_in_time(s: Seen) -> Bit:
-    """After any change of the check speed, with overspeed from then on: brake within m/2 + 5.5 pulses of the new preset
-    and those that the sample in progress lacks of it."""
+    """After any change of the check speed, with overspeed (from the next 1/2000 km/h on) from then on: brake within
+    m/2 + 5.5 pulses of the new preset and those that the sample in progress lacks of it."""
     return braked_in_time(s)
 
 
@@ -248,7 +249,8 @@ def sound_after_a_reading(s: Seen) -> Bit:
 @claim(Equipment, lemmas=[preparation_in_order, sound_after_a_reading],
        expect=PROVED, requirement="TC-14", source="[D]", witness=lowered())  # fmt: skip
 def the_second_reading_after_a_change_brakes(s: Seen) -> Bit:
-    """After any change of the check speed, with overspeed from then on: the second reading brakes, and all later."""
+    """After any change of the check speed, with overspeed (from the next 1/2000 km/h on) from then on: the second
+    reading brakes, and all later."""
     return implies(second_reading(s), s.brake)
 
 

@@ -117,6 +117,7 @@ DYNAMIC_COLUMNS = (
     Column("t4 - t1, exact", "s", decimals=5),
     Column("printed t4 - t1", "s"),
     Column("time agrees"),
+    Column("exact within 0.25 ms"),
     Column("time less T''c/2", "km/h", decimals=5),
     Column("printed as measured", "km/h"),
     Column("measured agrees"),
@@ -140,6 +141,7 @@ def dynamic_row(row: DynamicRow) -> Row:
     by_14 = dynamic_error(1, COUNTING_S, sampled(row.speed), scale_speed(row.speed)).middle
     return (
         row.speed, float(run), float(exact), row.time, run - READING_S <= printed <= run + STEP_S + READING_S,
+        abs(exact - printed) <= READING_S,
         measured, row.measured, rounds_to(measured, row.measured),
         float(theory), row.theory, abs(theory - Fraction(row.theory)) <= LAST_DIGITS, float(by_14),
     )  # fmt: skip

@@ -17,11 +17,12 @@ import functools
 from collections.abc import Callable
 from fractions import Fraction
 
+from models.two_counter.circuit import READ_OUT, START
 from models.two_counter.equipment import Equipment
 from models.two_counter.second_generator import SecondGenerator
 from models.two_counter.variants import Watched
-from proofs.two_counter_brake_chain import EDGE, READ_OUT, START
 from proofs.two_counter_campaign import MOMENTS, singles
+from proofs.two_counter_formulas import EDGE
 from proofs.two_counter_hazards import CHAIN, LINES, SINGLES
 from proofs.two_counter_rates import PARTS, RATES, SOURCE, wrong_in
 from safety import (

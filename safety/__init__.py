@@ -28,6 +28,7 @@ _HOME = {
     ),
     "safety.prove.refinement": ("refines"),
     "safety.prove.hazards": ("hazard"),
+    "safety.prove.written_for": ("written_for"),
 }
 _MODULE = {name: module for module, names in _HOME.items() for name in names.split()}
 __all__ = [
@@ -129,6 +130,7 @@ __all__ = [
     "wired_and",
     "wired_or",
     "word",
+    "written_for",
 ]
 
 if TYPE_CHECKING:
@@ -209,6 +211,9 @@ if TYPE_CHECKING:
     )
     from safety.prove.refinement import (
         refines,
+    )
+    from safety.prove.written_for import (
+        written_for,
     )
     from safety.system import (
         ANY,

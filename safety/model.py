@@ -14,36 +14,41 @@ import functools
 import inspect
 import sys
 import typing
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from fractions import Fraction
 from typing import Any, cast, dataclass_transform
 
 from safety.fields import Parameter, PowerUp, fit, parameter, power_up, sort_of
 from safety.scope import assume, current, point
-from safety.system import ANY, Clock, ModelError, PowerUpValue, Setting, State, nearest
+from safety.system import ANY, Clock, ModelError, Pace, PowerUpValue, Setting, State, nearest
 from safety.terms import Bit, Int, Term, UInt
-from safety.terms.graph import REAL, Sort, variable
+from safety.terms.graph import BIT, REAL, Sort, variable
 from safety.terms.values import const
 
 __all__ = ["ANY", "Model", "ModelError", "assume", "parameter", "parts", "point", "power_up", "registers"]
 
+Tick = float | str | Fraction | Callable[..., Fraction]
+
 
 @dataclass_transform(kw_only_default=True, frozen_default=True, field_specifiers=(power_up, parameter))
 class Model:
-    """Base of all models; subclass with `tick_s=` (seconds a step) or `event=` (what a step happens at)."""
+    """Base of all models; subclass with `tick_s=` (seconds a step) or `event=` (what a step happens at).
 
-    _clock: typing.ClassVar[Clock | None] = None
+    `tick_s` may be a function of parameters, see `Pace`: `def tick(rate: int = 8000) -> Fraction`.
+    """
+
+    _clock: typing.ClassVar[Clock | Pace | None] = None
     _locals: typing.ClassVar[Mapping[str, Any]] = {}
     _path: typing.ClassVar[str | None] = (
         None  # full name with a dot at the end; known to the parts that a trace has made
     )
     _old = False  # whether it is the part before its step
 
-    def __init_subclass__(cls, *, tick_s: float | str | Fraction | None = None, event: str | None = None) -> None:
+    def __init_subclass__(cls, *, tick_s: Tick | None = None, event: str | None = None) -> None:
         if tick_s is not None and event is not None:
             raise ModelError(f"{cls.__name__}: a clock is a period or an event, not both")
         if tick_s is not None:
-            cls._clock = Clock(period=_seconds(cls, tick_s))
+            cls._clock = Pace(tick_s) if callable(tick_s) else Clock(period=_seconds(cls, tick_s))
         elif event is not None:
             cls._clock = Clock(event=event)
         cls._locals = sys._getframe(1).f_locals
@@ -92,6 +97,8 @@ class Model:
                 scope.used[path] = _setting(path, None, declared)
             return scope.rigid[path].var
         value = scope.settings.get(path, declared.default)
+        if isinstance(value, Fraction) and value.denominator == 1 and sort != REAL:
+            value = int(value)  # 930.0 is a whole number
         if not sort.admits(value) or not declared.low <= value <= declared.high:
             raise ModelError(f"{path} = {value} {declared.unit} {_outside(declared, sort, value)}")
         scope.used[path] = _setting(path, value, declared)
@@ -113,9 +120,13 @@ def _setting(path: str, value: Any, declared: Parameter) -> Setting:
 
 def _outside(declared: Parameter, sort: Sort, value: Any) -> str:
     """Why a parameter does not take a value, with the nearest one that it takes."""
+    if sort == BIT:
+        return f"is not a value of {sort}; write true or false ({declared.source})"
     within = f"{declared.low}..{declared.high} {declared.unit}"
     if isinstance(value, bool) or not isinstance(value, int | Fraction):
         return f"is not a value of {sort}; write an exact number in {within}, e.g. {declared.default}"
+    if sort != REAL and value != round(value):
+        return f"is no whole number; write one in {within}, e.g. {declared.default} ({declared.source})"
     near = min(max(value if sort == REAL else round(value), declared.low), declared.high)
     return f"lies outside {within}; the nearest admissible value is {near} ({declared.source})"
 

@@ -9,7 +9,7 @@ becomes a `Problem`; the others count all the same.  Configuration stands in pyp
     jobs = 2                  # worker processes; default: as many as there are cores
     report = "reports"        # folder of the report
     title = "..."             # head of the report; default: the name of the root folder
-    settings = {k = 100}      # parameters of the models
+    settings = {k = 100}      # parameters of the models: each goes to those that have it
 """
 
 from __future__ import annotations
@@ -18,6 +18,7 @@ import contextlib
 import importlib
 import importlib.util
 import linecache
+import re
 import sys
 import tomllib
 import traceback
@@ -41,6 +42,7 @@ if TYPE_CHECKING:
 
 PROOFS, MODELS = "proofs", "models"
 Value = bool | int | Fraction
+_HUGE = re.compile(r"e[+-]?0*[1-9]\d{4,}", re.IGNORECASE)
 
 
 class ProjectError(Exception):
@@ -251,7 +253,7 @@ def read_config(root: Path) -> Config:
         return Config()
     try:
         with path.open("rb") as file:
-            table = tomllib.load(file, parse_float=Fraction).get("tool", {}).get("rightside", {})
+            table = tomllib.load(file, parse_float=_exact).get("tool", {}).get("rightside", {})
     except (tomllib.TOMLDecodeError, UnicodeDecodeError, OSError) as error:
         raise ProjectError(f"pyproject.toml: {error}; correct it there") from None
     settings = table.get("settings", {})
@@ -271,9 +273,39 @@ def read_config(root: Path) -> Config:
             )
     for name, value in settings.items():
         if not isinstance(value, bool | int | Fraction):
-            raise ProjectError(f"pyproject.toml: setting {name} = {value!r} is neither a number nor true or false")
+            raise ProjectError(
+                f"{setting_place(root, name)}: setting {name} = {value!r} is no value; "
+                "write a whole number, an exact decimal such as 0.5, true or false"
+            )
     known: dict[str, Any] = {name: value for name, value in table.items() if name != "timeout"}
     return Config(**known, timeout=float(table.get("timeout", Config.timeout)))
+
+
+def exact(text: str) -> Fraction:
+    """A fraction or decimal as it stands.  Raises ValueError for anything else, and for powers of ten beyond 9999."""
+    if _HUGE.search(text):
+        raise ValueError(f"{text}: its power of ten is too large")
+    try:
+        return Fraction(text)
+    except ZeroDivisionError:
+        raise ValueError(f"{text}: a division by 0") from None
+
+
+def _exact(text: str) -> Any:
+    """A number of a TOML file; what is none (nan, inf) stays a text, which no setting takes."""
+    try:
+        return exact(text)
+    except ValueError:
+        return text
+
+
+def setting_place(root: Path, name: str) -> str:
+    """File and line where pyproject.toml sets a parameter."""
+    named = re.compile(rf"""(?:^|[\s{{,."']){re.escape(name)}["']?\s*=""")
+    lines = (root / "pyproject.toml").read_text(encoding="utf-8").splitlines()
+    first = next((at for at, line in enumerate(lines) if line.startswith("[tool.rightside")), 0)
+    found = next((at for at in range(first, len(lines)) if named.search(lines[at])), None)
+    return "pyproject.toml" if found is None else f"pyproject.toml:{found + 1}"
 
 
 def files(folder: Path) -> Iterator[Path]:

@@ -51,12 +51,17 @@ class ProofFile(pytest.File):
 
     def collect(self) -> Iterator[pytest.Item]:
         """An item for each claim and campaign that the file declares."""
+        from safety.commands import CommandError, settings
         from safety.commands.selection import items
         from safety.project import module_name
 
         problem = self.project.load(self.path)
         if problem is not None:
             raise self.CollectError(f"{problem}\nmend this file; nothing of it was worked out")
+        try:
+            settings.check(self.project, [], {})
+        except CommandError as error:
+            raise self.CollectError(str(error)) from None
         home = module_name(self.project.root, self.path)
         homes = {("claims", c.id): c.formula.__module__ for c in self.project.claims}
         homes |= {("claims", b.id): b.module for b in self.project.bounds}

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import difflib
 import functools
+import inspect
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
@@ -50,6 +51,44 @@ class Clock:
         if self.period is None:
             return f"at each {self.event}"
         return f"every {float(self.period * 1_000_000):g} us"
+
+
+@dataclass(frozen=True)
+class Pace:
+    """A clock whose period follows from parameters: `seconds` takes them by bare name.
+
+    Its defaults stand for parameters that a model does not have.
+    """
+
+    seconds: Callable[..., Any]
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Bare names of the parameters."""
+        return tuple(inspect.signature(self.seconds).parameters)
+
+    def clock(self, whole: str, values: Mapping[str, Mapping[str, Any]]) -> Clock:
+        """The clock of a model whose parameters, by bare name and then full name, have these values; None: left open.
+
+        Raises `ModelError` where the values of two parts disagree, or no period comes of them.
+        """
+        for of in values.values():
+            if len(set(of.values())) > 1:
+                told = " and ".join(f"{path} = {value}" for path, value in of.items())
+                raise ModelError(f"{whole}: {told}: steps of different length; one system has one clock")
+        given = {name: next(iter(of.values())) for name, of in values.items()}
+        left = [name for name, value in given.items() if value is None]
+        if left:
+            return Clock(event=f"step, whose length follows from {', '.join(left)}")
+        period = self.seconds(**given)
+        if type(period) is not Fraction or period <= 0:
+            raise ModelError(
+                f"{whole}: tick_s={self} gives {period!r} for {given}; a period is a Fraction of seconds, above 0"
+            )
+        return Clock(period)
+
+    def __str__(self) -> str:
+        return f"{self.seconds.__name__}({', '.join(self.names)})"
 
 
 @dataclass(frozen=True, eq=False)

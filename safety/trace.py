@@ -102,21 +102,22 @@ class Trace:
     def vcd(self) -> str:
         """The run as a value change dump (IEEE 1364): parts are scopes, a real is the nearest double.
 
-        The time unit is the coarsest that a step is a whole number of; an event is one unit.
+        The time unit is the coarsest that a step is a whole number of; where there is none, times are rounded to less
+        than a millionth of a step.  An event is one unit.
         """
         unit, scale = _timescale(self.system.clock.period)
         names = {p: _code(i) for i, p in enumerate(self.columns)}
         lines = [
             "$version rightside $end",
-            f"$comment one step is {scale} x {unit}; steps {self.system.clock} $end",
+            f"$comment one step is {_amount(scale)} x {unit}; steps {self.system.clock} $end",
             f"$timescale {unit} $end",
             *_declarations({p: (self.sort(p), code) for p, code in names.items()}, self.system.name),
             "$enddefinitions $end",
         ]
         for k, changed in self.changes():
-            lines.append(f"#{k * scale}")
+            lines.append(f"#{round(k * scale)}")
             lines += [_vcd_value(self.sort(p), v, names[p]) for p, v in changed.items()]
-        return "\n".join([*lines, f"#{self.steps * scale}", ""])
+        return "\n".join([*lines, f"#{round(self.steps * scale)}", ""])
 
     def to_json(self, paths: Sequence[str] | None = None) -> dict[str, Any]:
         """Signals with kind and, for each, its changes as [step, value]; exact rationals as `p/q`."""
@@ -143,12 +144,19 @@ def show(value: Any) -> str:
 _UNITS = {"1 s": 1, "1 ms": 10**3, "1 us": 10**6, "1 ns": 10**9, "1 ps": 10**12, "1 fs": 10**15}
 
 
-def _timescale(period: Fraction | None) -> tuple[str, int]:
-    """A unit of time and how many of it a step takes; one where no unit fits, or the clock is an event."""
-    for unit, per_second in _UNITS.items():
-        if period is not None and (period * per_second).denominator == 1:
-            return unit, int(period * per_second)
-    return "1 ns", 1
+def _timescale(period: Fraction | None) -> tuple[str, Fraction]:
+    """A unit of time and how many of it a step takes: a whole number, else a million or more; 1 for an event."""
+    if period is None:
+        return "1 ns", Fraction(1)
+    scales = {unit: period * per_second for unit, per_second in _UNITS.items()}
+    whole = (item for item in scales.items() if item[1].denominator == 1)
+    fine = (item for item in scales.items() if item[1] >= 10**6)
+    return next(whole, None) or next(fine, ("1 fs", scales["1 fs"]))
+
+
+def _amount(scale: Fraction) -> str:
+    """Times of a step are whole, or rounded."""
+    return str(scale) if scale.denominator == 1 else f"about {float(scale):.12g}"
 
 
 def _declarations(signals: Mapping[str, tuple[Sort, str]], whole: str) -> Iterator[str]:

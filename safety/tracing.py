@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import inspect
 from collections.abc import Iterable, Iterator, Mapping
 from fnmatch import fnmatchcase
@@ -10,7 +11,7 @@ from typing import Any
 from safety.fields import Parameter, sort_of
 from safety.model import Model, hints, is_bundle, parts, registers
 from safety.scope import Scope, current
-from safety.system import OUTPUT, Clock, ModelError, PowerUpValue, State, System, nearest
+from safety.system import OUTPUT, Clock, ModelError, Pace, PowerUpValue, State, System, nearest
 from safety.terms import Term
 from safety.terms.graph import Sort, variable
 from safety.terms.values import all_of, const
@@ -34,7 +35,7 @@ def _part_names(cls: type[Model], path: str = "") -> Iterator[tuple[str, str]]:
         yield from _part_names(part, f"{path}{name}.")
 
 
-def _clock_of(cls: type[Model]) -> Clock:
+def _clock_of(cls: type[Model]) -> Clock | Pace:
     clocks = {c for c in (cls._clock, *(_clock_of(p) for p in parts(cls).values())) if c is not None}
     if len(clocks) > 1:
         rates = " and ".join(sorted(map(str, clocks)))
@@ -42,6 +43,19 @@ def _clock_of(cls: type[Model]) -> Clock:
     if not clocks:
         raise ModelError(f"{cls.__name__} has no clock; write class {cls.__name__}(Model, tick_s=...) or event=...")
     return clocks.pop()
+
+
+def _read(whole: Model, names: Iterable[str]) -> dict[str, dict[str, Any]]:
+    """The values of parameters, by bare name and full name; None for one that is left open."""
+    found: dict[str, dict[str, Any]] = {}
+    for name in names:
+        if isinstance(getattr(type(whole), name, None), Parameter):
+            term = getattr(whole, name)
+            found.setdefault(name, {})[f"{whole._path}{name}"] = term.attr if term.op == "const" else None
+    for part in parts(type(whole)):
+        for name, of in _read(getattr(whole, part), names).items():
+            found.setdefault(name, {}).update(of)
+    return found
 
 
 def _inputs(cls: type[Model], make: Any) -> tuple[dict[str, Any], dict[str, Term]]:
@@ -71,7 +85,7 @@ def resolve(cls: type[Model], settings: Mapping[str, Any]) -> dict[str, Any]:
 
     Raises `ModelError` when a key fits nothing.
     """
-    known = {path for path, _ in _parameters(cls)}
+    known = {path for path, _ in parameters(cls)}
     bare = {path.rpartition(".")[2] for path in known}
     full: dict[str, Any] = {}
     for key, value in settings.items():
@@ -82,13 +96,23 @@ def resolve(cls: type[Model], settings: Mapping[str, Any]) -> dict[str, Any]:
     return full
 
 
-def _parameters(cls: type[Model], path: str = "") -> Iterator[tuple[str, Parameter]]:
+def fitting(cls: type[Model], settings: Mapping[str, Any]) -> dict[str, Any]:
+    """Settings by full name; those that fit no parameter are left out."""
+    found: dict[str, Any] = {}
+    for key, value in settings.items():
+        with contextlib.suppress(ModelError):
+            found |= resolve(cls, {key: value})
+    return found
+
+
+def parameters(cls: type[Model], path: str = "") -> Iterator[tuple[str, Parameter]]:
+    """Full name and declaration of each parameter of a model and its parts; of one declared anew the last counts."""
     for klass in reversed(cls.__mro__):
         for name, value in klass.__dict__.items():
             if isinstance(value, Parameter):
                 yield path + name, value
     for name, part in parts(cls).items():
-        yield from _parameters(part, f"{path}{name}.")
+        yield from parameters(part, f"{path}{name}.")
 
 
 def trace(cls: type[Model], settings: Mapping[str, Any] | None = None, symbolic: Iterable[str] = ()) -> System:
@@ -112,6 +136,7 @@ def trace(cls: type[Model], settings: Mapping[str, Any] | None = None, symbolic:
     if clash:
         raise ModelError(f"{cls.__name__}: input {sorted(clash)[0]!r} has the name of a register; give it another")
     nexts = _stepped(cls, scope, before, arguments)
+    clock = _clock(cls, scope, before)
     for path in _part_names(cls):
         if f"{path[0]}." not in scope.stepped:
             raise ModelError(
@@ -119,7 +144,7 @@ def trace(cls: type[Model], settings: Mapping[str, Any] | None = None, symbolic:
             )
     return System(
         name=cls.__name__,
-        clock=_clock_of(cls),
+        clock=clock,
         states=(*(State(v, nexts[str(v.attr)], start) for v, start in states), *scope.rigid.values()),
         inputs=inputs,
         signals={_apart(name, inputs): term for name, term in scope.signals.items()},
@@ -139,6 +164,18 @@ def _stepped(cls: type[Model], scope: Scope, before: Model, arguments: Mapping[s
     finally:
         current.reset(token)
     return dict(_register_terms(result[0] if isinstance(result, tuple) else result, ""))
+
+
+def _clock(cls: type[Model], scope: Scope, whole: Model) -> Clock:
+    """The clock of a model, for the values that its parameters have."""
+    declared = _clock_of(cls)
+    if isinstance(declared, Clock):
+        return declared
+    token = current.set(scope)
+    try:
+        return declared.clock(cls.__name__, _read(whole, declared.names))
+    finally:
+        current.reset(token)
 
 
 def _apart(name: str, inputs: Mapping[str, Term]) -> str:

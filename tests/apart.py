@@ -16,6 +16,7 @@ import safety.prove.bounds.claims
 import safety.prove.claims
 import safety.prove.hazards
 import safety.prove.weakest
+import safety.prove.written_for
 import safety.rates.claims
 
 REGISTRIES: tuple[tuple[ModuleType, str], ...] = (
@@ -24,6 +25,7 @@ REGISTRIES: tuple[tuple[ModuleType, str], ...] = (
     (safety.prove.hazards, "_registry"),
     (safety.prove.hazards, "_formulas"),
     (safety.prove.weakest, "_registry"),
+    (safety.prove.written_for, "_registry"),
     (safety.inject.campaign, "_registry"),
     (safety.rates.claims, "_declared"),
     (safety.rates.claims, "_places"),

@@ -171,7 +171,7 @@ def test_names_of_python_attributes_are_signals_like_others() -> None:
     [
         ({"left.gain": 9}, r"left\.gain = 9 count lies outside 1\.\.5 count; the nearest admissible value is 5"),
         ({"gain": 0}, r"left\.gain = 0 count lies outside .* value is 1"),
-        ({"gain": Fraction(11, 4)}, r"lies outside 1\.\.5 count; the nearest admissible value is 3"),
+        ({"gain": Fraction(11, 4)}, r"= 11/4 count is no whole number; write one in 1\.\.5 count"),
         ({"gain": "3"}, r"left\.gain = 3 count is not a value of u3; write an exact number in 1\.\.5 count"),
         ({"gain": 2.5}, "is not a value of u3; write an exact number"),
         ({"gian": 3}, "Whole has no parameter 'gian'; did you mean gain"),

@@ -6,4 +6,14 @@ thousandths of a pulse per counting time Tc.  2000 are 1 km/h on the frequency s
 is 500*m, for 250 km/h 517500, that is 258.75 on this scale: the paper does not say where the difference comes from.
 """
 
-STEP_S = "155.8695e-6"  # Tc / 2000; Tc = 0.311739 s [D], n1F = 2000 [A]
+from __future__ import annotations
+
+from fractions import Fraction
+
+COUNTING_S = Fraction("0.311739")  # Tc [D]
+TUNED = 2000  # n1F [A]
+
+
+def step_s(n1f: int = TUNED, error: int = 0) -> Fraction:
+    """Seconds of a step: the period of an oscillator tuned to n1F, `error` ppm off; nominally 155.8695 us."""
+    return COUNTING_S / n1f * Fraction(1_000_000, 1_000_000 + error)

@@ -15,7 +15,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from models.ts7.voting import Relay
-from models.two_counter import STEP_S
+from models.two_counter import TUNED, step_s
 from models.two_counter.selection import Stages
 from models.two_counter.train import PulseCount
 from safety import U10, Bit, Model, UInt, bit, parameter, point, power_up, select
@@ -32,7 +32,7 @@ class Signals(NamedTuple):
     gate: Bit  # counter 1 counts
 
 
-class Counter2(Model, tick_s=STEP_S):
+class Counter2(Model, tick_s=step_s):
     """Counter 2 and gate circuit 2: edges of the speed generator, up to the preset and through the preparation."""
 
     n: Stages = power_up(0)
@@ -60,11 +60,11 @@ class RequiredCount(Model):
     """The count that makes a sample safe, one for all check speeds."""
 
     n1f: Stages = parameter(
-        2000, unit="pulse", within=(1885, 2047), source="[A]; [D] 1884 < n1F <= 2355, and 11 stages reach 2047"
+        TUNED, unit="pulse", within=(1885, 2047), source="[A]; [D] 1884 < n1F <= 2355, and 11 stages reach 2047"
     )
 
 
-class Counter1(RequiredCount, tick_s=STEP_S):
+class Counter1(RequiredCount, tick_s=step_s):
     """Counter 1 and gate circuit 1: oscillator pulses in the gate; it says at each pulse whether there are n1F."""
 
     n: Stages = power_up(0)
@@ -77,7 +77,7 @@ class Counter1(RequiredCount, tick_s=STEP_S):
         return type(self)(n=n), point("gate1", (pulses > 0) & ((n >= self.n1f) | between))
 
 
-class Memory(Model, tick_s=STEP_S):
+class Memory(Model, tick_s=step_s):
     """Flip-flop FF6: set dominates reset."""
 
     on: Bit = power_up(False)
@@ -88,13 +88,13 @@ class Memory(Model, tick_s=STEP_S):
         return type(self)(on=on), on
 
 
-class CommandMemory(Memory, tick_s=STEP_S):
+class CommandMemory(Memory, tick_s=step_s):
     """Flip-flop FF2: 1 is brake, and so it is when power comes."""
 
     on: Bit = power_up(True)
 
 
-class BrakeRelay(Relay, tick_s=STEP_S):
+class BrakeRelay(Relay, tick_s=step_s):
     """Relay Ry-1: energised is brake release."""
 
     operate: U10 = parameter(0, unit="period", within=(0, 800), source="[A] coil to closed contact; 642 are 0.1 s")
@@ -132,7 +132,7 @@ class Gating:
         return ~brake
 
 
-class Circuit(Gating, Model, tick_s=STEP_S):
+class Circuit(Gating, Model, tick_s=step_s):
     """The prototype's circuit, from the edges of the speed generator to the relay."""
 
     counter2: Counter2

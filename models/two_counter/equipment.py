@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from models.two_counter import STEP_S
+from models.two_counter import step_s
 from models.two_counter.circuit import Circuit, Command
 from models.two_counter.selection import Lines, Selection
 from models.two_counter.train import Oscillator, Speed, Train
@@ -35,7 +35,7 @@ class Surroundings(Model):
         return {"train": train, "oscillator": oscillator, "selection": selection}, edge, pulses, preset
 
 
-class Equipment(Surroundings, tick_s=STEP_S):
+class Equipment(Surroundings, tick_s=step_s):
     """Two-counter ATC behind the axle of the train; `brake` true = brake."""
 
     circuit: Circuit

@@ -16,7 +16,6 @@ from models.two_counter.circuit import READ_OUT, START
 from models.two_counter.equipment import Equipment
 from models.two_counter.measuring import DynamicTest, StaticTest
 from models.two_counter.motion import (
-    EDGE_PER_COUNT,
     SPACING,
     Rise,
     inputs,
@@ -26,7 +25,7 @@ from models.two_counter.motion import (
     train_phase,
 )
 from models.two_counter.numbers import CHECK_SPEEDS, COUNTING_S, N1F, PRESETS
-from models.two_counter.train import KMH
+from models.two_counter.train import KMH, TURN
 from safety import run
 from safety.model import Model
 from safety.trace import Trace
@@ -56,7 +55,7 @@ def selected(speed: int) -> dict[str, bool]:
 
 def threshold(speed: int) -> int:
     """f2E in the models' units, thousandths of a pulse per counting time."""
-    return EDGE_PER_COUNT * edges_of(speed)
+    return TURN * edges_of(speed)
 
 
 # --- static test, table 2(A) -----------------------------------------------------------------------------------------
@@ -104,20 +103,24 @@ def dynamic_test(speed: int, acceleration: Fraction | int = 1) -> Outcome:
     return _ride(speed, acceleration, Fraction(N1F), Fraction(0))
 
 
-def worst_ride(speed: int, acceleration: Fraction | int = 1, early: Fraction = EARLY) -> Outcome:
-    """A count as short as one that is still safe can be: from right before a pulse to n1F - 1 periods later."""
-    return _ride(speed, acceleration, N1F - 1 + early, 1 - early)
+def worst_ride(speed: int, acceleration: Fraction | int = 1, early: Fraction = EARLY, error: int = 0) -> Outcome:
+    """A count as short as one that is still safe can be: from right before a pulse to n1F - 1 periods later.
+
+    `error` is that of the standard oscillator in ppm.
+    """
+    return _ride(speed, acceleration, N1F - 1 + early, 1 - early, error)
 
 
-def _ride(speed: int, acceleration: Fraction | int, window: Fraction, phase: Fraction) -> Outcome:
-    rise = rise_per_step(acceleration)
+def _ride(speed: int, acceleration: Fraction | int, window: Fraction, phase: Fraction, error: int = 0) -> Outcome:
+    period = 1 / (1 + Fraction(error, 1_000_000))  # in nominal ones; edges are further apart by as much
+    rise, spacing = rise_per_step(acceleration) * period, int(SPACING / period)
     edges = START + edges_of(speed) + START
-    motion = Rise(just_released(edges_of(speed), rise, window), rise, phase, edges)
-    seen = _seen(DynamicTest, motion, speed, THREE_COUNTS)
+    motion = Rise(just_released(edges_of(speed), rise, window, spacing), rise, phase, edges, spacing)
+    seen = _seen(DynamicTest, motion, speed, THREE_COUNTS, error)
     _, _, safe, late = read_outs(seen["signal1"])[:4]
     if seen["brake"][safe] or not seen["brake"][late]:
         raise ValueError(f"{speed} km/h at {acceleration} km/h/s: that count is not the last safe one")
-    return Outcome(_excess(motion, speed, 3, late), seen["time"][late] * STEP_S)
+    return Outcome(_excess(motion, speed, 3, late), seen["time"][late] * STEP_S * period)
 
 
 def excess_from(speed: int, below: Fraction, phase: Fraction, acceleration: Fraction | int = 1) -> Fraction:
@@ -137,13 +140,13 @@ def _excess(motion: Rise, speed: int, number: int, step: int) -> Fraction:
     return (motion.speed_at(at) - threshold(speed)) / KMH
 
 
-def _seen(model: type[Model], motion: Rise, speed: int, steps: int) -> Trace:
+def _seen(model: type[Model], motion: Rise, speed: int, steps: int, error: int = 0) -> Trace:
     """A run of the motion; in the dynamic test the key R is held until the count that is meant."""
     rows: Iterator[dict[str, Any]] = ({"speed": way, **selected(speed)} for way in islice(inputs(motion), steps))
     if model is DynamicTest:
         rows = (row | {"reset": step < int(motion.start)} for step, row in enumerate(rows))
     keep = ["signal1", "brake", *(["time"] if model is DynamicTest else [])]
-    return run(model, rows, start={"train.phase": train_phase(motion)}, keep=keep)
+    return run(model, rows, start={"train.phase": train_phase(motion)}, settings={"error": error}, keep=keep)
 
 
 def read_outs(signal1: list[Any]) -> list[int]:

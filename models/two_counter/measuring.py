@@ -15,11 +15,11 @@ from __future__ import annotations
 
 from typing import Annotated, NamedTuple
 
-from models.two_counter import STEP_S
+from models.two_counter import step_s
 from models.two_counter.circuit import Circuit
 from models.two_counter.equipment import Surroundings
 from models.two_counter.selection import Lines, Selection, Stages
-from models.two_counter.train import KMH, Oscillator, Speed
+from models.two_counter.train import KMH, TURN, Oscillator, Speed
 from safety import ANY, U3, U9, U12, U16, Bit, Int, Model, UInt, assume, parameter, point, power_up, select, word
 
 PARTS = 100_000  # of a speed unit, times n1F; 0.01 km/h/s is 20 units a second, a step lasts 0.311739 s / n1F
@@ -27,7 +27,7 @@ HALF_STEP = 311_739  # such parts that 0.01 km/h/s brings in half a step
 Part = Annotated[Int, (0, 2047 * PARTS - 1)]
 
 
-class Ramp(Model, tick_s=STEP_S):
+class Ramp(Model, tick_s=step_s):
     """Constant acceleration: the way turned in each step is that of the continuous motion, for a nominal oscillator."""
 
     gained: Speed = power_up(0)
@@ -52,7 +52,7 @@ class Ramp(Model, tick_s=STEP_S):
         return type(self)(gained=gained, rest=rest, ahead=ahead.clip(0, 2047 * PARTS - 1)), speed
 
 
-class Loss(Model, tick_s=STEP_S):
+class Loss(Model, tick_s=step_s):
     """A speed generator that loses the last pulse, two edges, of each so many."""
 
     came: U12 = power_up(0)  # edges of this many
@@ -75,7 +75,7 @@ class Journey(NamedTuple):
     gate: Bit
 
 
-class Ride(Surroundings, tick_s=STEP_S):
+class Ride(Surroundings, tick_s=step_s):
     """The equipment on a ramp, its speed generator losing pulses: settings are all that it needs besides the lines."""
 
     ramp: Ramp
@@ -92,7 +92,7 @@ class Ride(Surroundings, tick_s=STEP_S):
         return following, Journey(speed, command.brake, command.signal1, command.gate)
 
 
-class Measuring(Model, tick_s=STEP_S):
+class Measuring(Model, tick_s=step_s):
     """Memory Me and the counter of the time for which it is set."""
 
     on: Bit = power_up(False)
@@ -115,7 +115,7 @@ class Measured(NamedTuple):
     time: UInt  # periods
 
 
-class DynamicTest(Surroundings, tick_s=STEP_S):
+class DynamicTest(Surroundings, tick_s=step_s):
     """Dynamic error: the equipment at a rising speed with the measuring circuit; `reset` is the key R."""
 
     circuit: Circuit
@@ -135,7 +135,7 @@ TestPhase = Annotated[Int, (0, 2**22 - 1)]
 TestSpacing = Annotated[UInt, 22]
 
 
-class TestOscillator(Model, tick_s=STEP_S):
+class TestOscillator(Model, tick_s=step_s):
     """Oscillator of eight times the frequency of the speed generator."""
 
     __test__ = False  # for pytest, which takes classes so named for tests
@@ -151,7 +151,7 @@ class TestOscillator(Model, tick_s=STEP_S):
         return type(self)(phase=turned.clip(0, 2**22 - 1)), pulses
 
 
-class DivideByEight(Model, tick_s=STEP_S):
+class DivideByEight(Model, tick_s=step_s):
     """Three binary stages; the last one is the speed signal, an edge for four pulses."""
 
     n: U3 = power_up(ANY)
@@ -169,7 +169,7 @@ class Static(NamedTuple):
     signal1: Bit
 
 
-class StaticTest(Model, tick_s=STEP_S):
+class StaticTest(Model, tick_s=step_s):
     """Static error: at which oscillator frequency does the brake signal appear?"""
 
     test_oscillator: TestOscillator
@@ -181,7 +181,7 @@ class StaticTest(Model, tick_s=STEP_S):
     def step(self, frequency: Frequency, lines: Lines) -> tuple[StaticTest, Static]:
         """One period."""
         n1f, error = self.circuit.counter1.n1f, self.oscillator.error
-        spacing = (n1f * 1000 * (error + 1_000_000).sat(21) // 1_000_000).low(22)
+        spacing = (n1f * 2 * TURN * (error + 1_000_000).sat(21) // 1_000_000).low(22)
         test_oscillator, generated = self.test_oscillator.step(frequency, spacing)
         divider, edge = self.divider.step(generated)
         oscillator, pulses = self.oscillator.step()

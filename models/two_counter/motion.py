@@ -1,8 +1,9 @@
 """Two-counter ATC: a steady rise of the speed as inputs of the models, exact, placed against the oscillator.
 
 Time in steps (oscillator periods, the pulse at the end of each), way in turning: SPACING from edge to edge, half a
-pulse.  One start of a count, signal 3, is put where it is wanted: `phase` of a period after a pulse, 0 being at it and
-so after it.  It is the first one after power-up, or a later one; speeds are turning a step, as in `train.py`.
+pulse, more for a fast oscillator.  One start of a count, signal 3, is put where it is wanted: `phase` of a period after
+a pulse, 0 being at it and so after it.  It is the first one after power-up, or a later one; speeds are turning a step,
+as in `train.py`.
 """
 
 from __future__ import annotations
@@ -17,23 +18,23 @@ from math import ceil, lcm
 from models.two_counter.circuit import START
 from models.two_counter.numbers import COUNTING_S, N1F
 from models.two_counter.theory import Interval, positive_root
-from models.two_counter.train import KMH
+from models.two_counter.train import KMH, TURN
 
-EDGE_PER_COUNT = 500  # turning from edge to edge, for each of n1F
-SPACING = EDGE_PER_COUNT * N1F
+SPACING = TURN * N1F
 
 
 @dataclass(frozen=True)
 class Rise:
     """A motion with `speed` at the start of a count, `phase` (0 up to 1) of a period after an oscillator pulse.
 
-    That signal 3 comes with the edge number `edges` after power-up.
+    That signal 3 comes with the edge number `edges` after power-up; `spacing` is the way from edge to edge.
     """
 
     speed: Fraction
     rise: Fraction = Fraction(0)
     phase: Fraction = Fraction(0)
     edges: int = START
+    spacing: int = SPACING
 
     @cached_property
     def start(self) -> Fraction:
@@ -41,8 +42,8 @@ class Rise:
         return place(self)
 
     def way(self, since: Fraction | int) -> Fraction:
-        """The way since power-up, edges at the multiples of SPACING, at a time after that signal 3 or before it."""
-        return self.edges * SPACING + self.speed * since + self.rise * since * since / 2
+        """The way since power-up, edges at the multiples of `spacing`, at a time after that signal 3 or before it."""
+        return self.edges * self.spacing + self.speed * since + self.rise * since * since / 2
 
     def position(self, time: Fraction | int) -> Fraction:
         """The way at a time after power-up."""
@@ -58,8 +59,8 @@ def place(motion: Rise) -> Fraction:
 
     Raises ValueError where the train was at a standstill before, or has no place for that many edges.
     """
-    steps = max(0, int(motion.edges * SPACING / motion.speed - motion.phase))
-    while motion.way(-steps - motion.phase) >= SPACING:
+    steps = max(0, int(motion.edges * motion.spacing / motion.speed - motion.phase))
+    while motion.way(-steps - motion.phase) >= motion.spacing:
         steps += 1
         if motion.speed <= motion.rise * (steps + 1):
             raise ValueError(f"from a standstill there are fewer than {motion.edges} edges; give a smaller rise")
@@ -69,8 +70,8 @@ def place(motion: Rise) -> Fraction:
 def train_phase(motion: Rise) -> int:
     """The phase of the axle at power-up; ValueError where an edge lies before it."""
     found = ceil(motion.position(0)) - 1
-    if not 0 <= found < SPACING:
-        raise ValueError(f"turned by {found} at power-up, with edges {SPACING} apart; choose another speed")
+    if not 0 <= found < motion.spacing:
+        raise ValueError(f"turned by {found} at power-up, with edges {motion.spacing} apart; choose another speed")
     return found
 
 
@@ -90,7 +91,7 @@ def instant(motion: Rise, edge: int) -> Interval:
     """When an edge comes, by its number after power-up, not before that signal 3; ends at most 1e-20 apart."""
     if edge <= motion.edges:
         return Interval(motion.start, motion.start)
-    return positive_root(motion.rise / 2, motion.speed, (edge - motion.edges) * SPACING).scaled(1, motion.start)
+    return positive_root(motion.rise / 2, motion.speed, (edge - motion.edges) * motion.spacing).scaled(1, motion.start)
 
 
 def rise_per_step(acceleration: Fraction | int) -> Fraction:
@@ -98,6 +99,6 @@ def rise_per_step(acceleration: Fraction | int) -> Fraction:
     return Fraction(acceleration) * KMH * COUNTING_S / N1F
 
 
-def just_released(edges: int, rise: Fraction, window: Fraction) -> Fraction:
+def just_released(edges: int, rise: Fraction, window: Fraction, spacing: int = SPACING) -> Fraction:
     """The speed at the start of a count of so many edges that lasts `window` steps, at a rise per step."""
-    return (edges * SPACING - rise * window * window / 2) / window
+    return (edges * spacing - rise * window * window / 2) / window

@@ -1,6 +1,7 @@
 """Two-counter ATC: the printed numbers and the constants behind them, exact.
 
-Independent of the models on purpose: the models never compute with this file, tests, claims and tables compare with it.
+Independent of the models on purpose: no step of a model computes with this file.  The experiments that run the models,
+tests, claims and tables take from it what the models are held against.
 Speeds km/h, frequencies Hz, times s, accelerations km/h/s.  What is printed stands as printed, misprints included.
 Source: tables 2(A), 2(B), 1, sections 6.1 and 6.2 [P]; presets, counting time, four pulses of preparation [D]; n1F
 within its bracket [A].

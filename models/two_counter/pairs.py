@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from models.two_counter import STEP_S
+from models.two_counter import step_s
 from models.two_counter.circuit import Circuit, Command
 from models.two_counter.equipment import Equipment
 from models.two_counter.selection import Lines, Stages
@@ -24,7 +24,7 @@ class Two(NamedTuple):
     b: Command
 
 
-class TwoTrains(Model, tick_s=STEP_S):
+class TwoTrains(Model, tick_s=step_s):
     """Two trains with one check speed selected, their oscillators in step."""
 
     first: Equipment
@@ -37,7 +37,7 @@ class TwoTrains(Model, tick_s=STEP_S):
         return type(self)(first=first, second=second), Two(a, b)
 
 
-class TwoOscillators(Model, tick_s=STEP_S):
+class TwoOscillators(Model, tick_s=step_s):
     """One train, two circuits, each with an oscillator of its own."""
 
     first: Circuit

@@ -9,22 +9,22 @@ from __future__ import annotations
 
 from typing import Annotated, NamedTuple
 
-from models.two_counter import STEP_S
-from models.two_counter.circuit import Circuit, RequiredCount
+from models.two_counter import step_s
+from models.two_counter.circuit import READ_OUT, START, Circuit, RequiredCount
 from models.two_counter.equipment import Surroundings
 from models.two_counter.selection import Lines, Stages
 from models.two_counter.train import Speed
 from safety import Bit, Int, power_up, select
 
-PREPARATION, READ_OUT_BEFORE = 8, 6  # edges before a window opens: its preparation, the read-out of the last one
-Place = Annotated[Int, (-PREPARATION, 2046)]
+READ_OUT_BEFORE = START - READ_OUT  # edges before a window opens: the read-out of the last one
+Place = Annotated[Int, (-START, 2046)]
 Count = Annotated[Int, (0, 2048)]
 
 
-class Sampler(RequiredCount, tick_s=STEP_S):
+class Sampler(RequiredCount, tick_s=step_s):
     """Decides from counted edges and periods; a count that suffices goes no further."""
 
-    place: Place = power_up(-PREPARATION)  # edges since the window opened; below 0: until it opens
+    place: Place = power_up(-START)  # edges since the window opened; below 0: until it opens
     n1: Count = power_up(0)
     braking: Bit = power_up(True)
 
@@ -32,7 +32,7 @@ class Sampler(RequiredCount, tick_s=STEP_S):
         """One period; the decision in force after it."""
         moved = self.place + edge.word()
         closes = edge & (moved >= preset.int())
-        place = select(closes, -PREPARATION, moved).clip(-PREPARATION, 2046)
+        place = select(closes, -START, moved).clip(-START, 2046)
         read_out = edge & (place == -READ_OUT_BEFORE)
         braking = select(read_out, self.n1 < self.needed(), self.braking)
         kept = select(read_out, 0, self.n1)
@@ -44,7 +44,7 @@ class Sampler(RequiredCount, tick_s=STEP_S):
         return self.n1f.int()
 
 
-class EquationFour(Sampler, tick_s=STEP_S):
+class EquationFour(Sampler, tick_s=step_s):
     """Eq. (4) as printed: the brake comes for n1 <= n1F."""
 
     def needed(self) -> Int:
@@ -58,7 +58,7 @@ class Decision(NamedTuple):
     brake: Bit
 
 
-class Samples(Surroundings, tick_s=STEP_S):
+class Samples(Surroundings, tick_s=step_s):
     """The ideal machine behind the axle of the train."""
 
     sampler: Sampler
@@ -78,7 +78,7 @@ class Both(NamedTuple):
     signal1: Bit
 
 
-class Compared(Surroundings, tick_s=STEP_S):
+class Compared(Surroundings, tick_s=step_s):
     """Circuit and eq. (4) as printed side by side on one train."""
 
     circuit: Circuit

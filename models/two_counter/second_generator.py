@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from models.two_counter import STEP_S
+from models.two_counter import step_s
 from models.two_counter.circuit import Command
 from models.two_counter.equipment import Equipment
 from models.two_counter.selection import Lines
@@ -20,7 +20,7 @@ from safety import U5, Bit, Int, Model, parameter, point, power_up, select
 Difference = Annotated[Int, (-31, 31)]
 
 
-class Comparison(Model, tick_s=STEP_S):
+class Comparison(Model, tick_s=step_s):
     """Edges of the first generator less those of the second, since the last read-out; latched when out of tolerance."""
 
     difference: Difference = power_up(0)
@@ -34,7 +34,7 @@ class Comparison(Model, tick_s=STEP_S):
         return type(self)(difference=select(read_out, 0, now).clip(-31, 31), differs=differs), differs
 
 
-class SecondGenerator(Equipment, tick_s=STEP_S):
+class SecondGenerator(Equipment, tick_s=step_s):
     """The equipment, a second generator with a wheel of its own, and the comparison of both."""
 
     second: Train

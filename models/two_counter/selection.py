@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import Annotated, NamedTuple
 
-from models.two_counter import STEP_S
+from models.two_counter import step_s
 from safety import Bit, Model, UInt, parameter, point, select
 
 Stages = Annotated[UInt, 11]
@@ -27,7 +27,7 @@ class Lines(NamedTuple):
     s5: Bit
 
 
-class Selection(Model, tick_s=STEP_S):
+class Selection(Model, tick_s=step_s):
     """Selection of the preset: the lowest active line wins; no line active gives the lowest preset."""
 
     m250: Stages = parameter(1035, unit="edge", within=(16, 2047), source=PRESET)

@@ -244,17 +244,18 @@ def response_time(n2e: Exact, counting: Exact) -> Fraction:
     return pulses_to_read_out(n2e) * counting / n2e
 
 
-def shortest_safe_window(n1f: int, counting: Exact) -> Fraction:
-    """What the gate time of a sample read as safe exceeds: (n1F - 1) / f1, with f1 = n1F / Tc."""
-    return Fraction(counting) * (n1f - 1) / n1f
+def shortest_safe_window(n1f: int, counting: Exact, ppm: Exact = 0) -> Fraction:
+    """What the gate time of a sample read as safe exceeds: (n1F - 1) / f1, with f1 = n1F / Tc but for its error."""
+    return Fraction(counting) * (n1f - 1) / n1f / (1 + Fraction(ppm) / 1_000_000)
 
 
-def worst_excess(n2e: Exact, n1f: int, counting: Exact, k: Exact, acceleration: Exact) -> Interval:
+def worst_excess(n2e: Exact, n1f: int, counting: Exact, k: Exact, acceleration: Exact, ppm: Exact = 0) -> Interval:
     """Supremum of the excess over f2E / k at the read-out that brakes, over phases and rises up to an acceleration.
 
-    The window that still read safe lasted w, no more than it had to; the rise is the steepest all the way.
+    The window that still read safe lasted w, no more than it had to; the rise is the steepest all the way.  The
+    oscillator is `ppm` off.
     """
-    w, n, s = shortest_safe_window(n1f, counting), Fraction(n2e), Fraction(k) * acceleration
+    w, n, s = shortest_safe_window(n1f, counting, ppm), Fraction(n2e), Fraction(k) * acceleration
     rest = positive_root(s / 2, n / w + s * w / 2, n + PREPARATION_PULSES + READ_OUT_PULSES)
     return rest.scaled(s / k, ((n / w - n / counting) + s * w / 2) / k)
 
@@ -269,3 +270,14 @@ def acceleration_for(excess: Exact, n2e: Exact, n1f: int, counting: Exact, k: Ex
     a, b = f4 - gained / 2, rest - f4 * w / 2  # a t^2 - b t = rest w / 2
     time = root(b**2 + 2 * a * rest * w).scaled(1 / (2 * a), b / (2 * a))
     return Interval(*(gained / (t + w / 2) / k for t in reversed(time)))
+
+
+def oscillator_error_for(
+    excess: Exact, n2e: Exact, n1f: int, counting: Exact, k: Exact, acceleration: Exact
+) -> Interval:
+    """The oscillator error, ppm, at which that supremum is `excess`, at an acceleration above 0."""
+    n, s = Fraction(n2e), Fraction(k) * acceleration
+    f4, rest = n / counting + Fraction(k) * excess, n + PREPARATION_PULSES + READ_OUT_PULSES
+    end, start = root(f4**2 - 2 * s * rest), root(f4**2 - 2 * s * (rest + n))  # of the window: its speed signals
+    nominal = shortest_safe_window(n1f, counting) * s
+    return Interval(*((nominal / w - 1) * 1_000_000 for w in (end.high - start.low, end.low - start.high)))

@@ -14,11 +14,12 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from models.two_counter import STEP_S
+from models.two_counter import step_s
 from models.two_counter.selection import Stages
 from safety import ANY, U10, Bit, Int, Model, UInt, assume, bit, parameter, point, power_up, select
 
 KMH = 2000  # speed units in 1 km/h
+TURN = 500  # turning from edge to edge, for each of n1F
 Speed = Annotated[Int, (0, 400 * KMH)]
 Phase = Annotated[Int, (0, 2**21 - 1)]
 Spacing = Annotated[UInt, 21]
@@ -26,7 +27,7 @@ PulseCount = Annotated[Int, (0, 2)]
 Ppm = Annotated[Int, (-20_000, 20_000)]
 
 
-class Train(Model, tick_s=STEP_S):
+class Train(Model, tick_s=step_s):
     """Axle and speed generator, two edges a pulse; `phase` is the way turned since the last edge."""
 
     phase: Phase = power_up(ANY)
@@ -41,12 +42,15 @@ class Train(Model, tick_s=STEP_S):
         return type(self)(phase=phase), point("edge", full)
 
     def spacing(self, n1f: Stages, error: Ppm) -> UInt:
-        """Turning from edge to edge for an oscillator tuned to n1F, ppm off; rounded down, at most 2 ppm, safe side."""
-        nominal = n1f * 500 * self.wheel // 910
+        """Turning from edge to edge for an oscillator tuned to n1F, ppm off; rounded down, by less than 2.3 ppm.
+
+        Rounded so the train seems to be that much faster, which is the safe side.
+        """
+        nominal = n1f * TURN * self.wheel // 910
         return (nominal * (error + 1_000_000).sat(21) // 1_000_000).low(21)
 
 
-class Oscillator(Model, tick_s=STEP_S):
+class Oscillator(Model, tick_s=step_s):
     """Standard oscillator f1: a pulse at the end of each step.
 
     On its second harmonic two come there, the first one half a period late: one count at most.

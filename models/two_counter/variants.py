@@ -8,7 +8,7 @@ watchdog [A].
 
 from __future__ import annotations
 
-from models.two_counter import STEP_S
+from models.two_counter import step_s
 from models.two_counter.circuit import Circuit, Command, Counter2
 from models.two_counter.equipment import Equipment
 from models.two_counter.selection import Lines, Selection
@@ -16,7 +16,7 @@ from models.two_counter.train import Speed
 from safety import U16, Bit, Model, UInt, bit, parameter, point, power_up, select, word
 
 
-class EqualityCounter2(Counter2, tick_s=STEP_S):
+class EqualityCounter2(Counter2, tick_s=step_s):
     """Counter 2 with a decoder that sees the preset only while it stands there."""
 
     def reached(self, counted: UInt, preset: UInt) -> Bit:
@@ -24,19 +24,19 @@ class EqualityCounter2(Counter2, tick_s=STEP_S):
         return counted == preset
 
 
-class EqualityCircuit(Circuit, tick_s=STEP_S):
+class EqualityCircuit(Circuit, tick_s=step_s):
     """The circuit with the equality decoder."""
 
     counter2: EqualityCounter2
 
 
-class EqualityDecoder(Equipment, tick_s=STEP_S):
+class EqualityDecoder(Equipment, tick_s=step_s):
     """A lower preset selected when it has been passed: counter 2 runs on to its capacity, the command is held."""
 
     circuit: EqualityCircuit
 
 
-class NoDefaultSelection(Selection, tick_s=STEP_S):
+class NoDefaultSelection(Selection, tick_s=step_s):
     """Selection without a default: no line, no preset."""
 
     def none_selected(self) -> UInt:
@@ -44,7 +44,7 @@ class NoDefaultSelection(Selection, tick_s=STEP_S):
         return word(0, 11)
 
 
-class NoDefaultCounter2(Counter2, tick_s=STEP_S):
+class NoDefaultCounter2(Counter2, tick_s=step_s):
     """Counter 2 that counts on while nothing is decoded."""
 
     def reached(self, counted: UInt, preset: UInt) -> Bit:
@@ -52,20 +52,20 @@ class NoDefaultCounter2(Counter2, tick_s=STEP_S):
         return (preset != 0) & (counted >= preset)
 
 
-class NoDefaultCircuit(Circuit, tick_s=STEP_S):
+class NoDefaultCircuit(Circuit, tick_s=step_s):
     """The circuit in which nothing may be decoded."""
 
     counter2: NoDefaultCounter2
 
 
-class NoDefault(Equipment, tick_s=STEP_S):
+class NoDefault(Equipment, tick_s=step_s):
     """No check speed selected: no read-out, the command is held."""
 
     selection: NoDefaultSelection
     circuit: NoDefaultCircuit
 
 
-class SignalTwoSetsCircuit(Circuit, tick_s=STEP_S):
+class SignalTwoSetsCircuit(Circuit, tick_s=step_s):
     """FF6 is set by signal 2, and never reset."""
 
     def of_ff6(self, enough: Bit, signal2: Bit) -> tuple[Bit, Bit]:
@@ -73,13 +73,13 @@ class SignalTwoSetsCircuit(Circuit, tick_s=STEP_S):
         return enough | signal2, bit(False)
 
 
-class SignalTwoSets(Equipment, tick_s=STEP_S):
+class SignalTwoSets(Equipment, tick_s=step_s):
     """Literal reading L1, to be refuted: for overspeed "FF6 remains set by signal 2"; AND3 is always open."""
 
     circuit: SignalTwoSetsCircuit
 
 
-class SignalOneResetsCircuit(Circuit, tick_s=STEP_S):
+class SignalOneResetsCircuit(Circuit, tick_s=step_s):
     """AND2 drives the reset input of FF2 as well."""
 
     def of_ff2(self, and2: Bit, and3: Bit) -> tuple[Bit, Bit]:
@@ -87,13 +87,13 @@ class SignalOneResetsCircuit(Circuit, tick_s=STEP_S):
         return bit(False), and2 | and3
 
 
-class SignalOneResets(Equipment, tick_s=STEP_S):
+class SignalOneResets(Equipment, tick_s=step_s):
     """Literal reading L2, to be refuted: for overspeed "AND2 opens, FF2 is reset by signal 1"."""
 
     circuit: SignalOneResetsCircuit
 
 
-class LevelResetCircuit(Circuit, tick_s=STEP_S):
+class LevelResetCircuit(Circuit, tick_s=step_s):
     """AND2 and AND3 strobe within, so that a stuck output is a level on the line behind it."""
 
     def strobed(self, name: str, opened: Bit, read_out: Bit) -> Bit:
@@ -101,13 +101,13 @@ class LevelResetCircuit(Circuit, tick_s=STEP_S):
         return point(name, opened & read_out)
 
 
-class LevelReset(Equipment, tick_s=STEP_S):
+class LevelReset(Equipment, tick_s=step_s):
     """AND3 stuck at 1 holds the reset line of FF2 between the strobes: each brake ends a step after its read-out."""
 
     circuit: LevelResetCircuit
 
 
-class Watchdog(Model, tick_s=STEP_S):
+class Watchdog(Model, tick_s=step_s):
     """Timer that read-outs restart; its contact lies in series with that of Ry-1."""
 
     idle: U16 = power_up(0)  # periods since the last read-out
@@ -124,7 +124,7 @@ class Watchdog(Model, tick_s=STEP_S):
         return type(self)(idle=idle), point("late", idle > self.patience)
 
 
-class Watched(Equipment, tick_s=STEP_S):
+class Watched(Equipment, tick_s=step_s):
     """The equipment with a watchdog [A]: without a read-out for T_w it brakes until one comes."""
 
     watchdog: Watchdog

@@ -1,19 +1,19 @@
 """Relations between symbols, for all positive values: decided by solvers, and looked at in exact points.
 
 A quotient is carried as numerator and denominator, a root as a variable with its square; so every question is one of
-polynomials.  A relation is about the points at which both sides have a meaning.
+polynomials.  A relation must have a meaning, and hold, wherever its conditions and the theory have one.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import islice
 from typing import TYPE_CHECKING, NamedTuple, cast
 
 from safety.audit.exceptions import AuditError
-from safety.audit.formula import Reading, Relation
+from safety.audit.formula import Formula, Reading, Relation
 from safety.audit.spans import NUMBERS, Span
 from safety.terms import Bit, Real, real
 from safety.terms.graph import REAL, variable
@@ -24,6 +24,8 @@ if TYPE_CHECKING:
 
 SECONDS = 20.0  # for each route
 POINTS, TRIES = 8, 2000
+EXACTLY, NO_MEANING = "exact evaluation", "it has no meaning there"
+ZERO, BELOW = "0", "below 0"
 
 
 class Answer(NamedTuple):
@@ -72,15 +74,25 @@ class Question:
         self.given.append((y >= 0) & (y * y * under.bottom == under.top) & ~(under.bottom == 0))
         return Ratio(y, real(1))
 
-    def holds(self, each: Relation) -> Bit:
-        """The relation as a formula; that its sides have a meaning goes to what is given."""
-        for name in sorted(set().union(*(side.names for side in each.sides)) - self.variables.keys()):
+    def over(self, each: Formula) -> Ratio:
+        """The formula over the variables; that it has a meaning goes to what is given."""
+        for name in sorted(each.names - self.variables.keys()):
             v = cast(Real, variable(name, REAL))
             self.variables[name] = Ratio(v, real(1))
             if name not in self.signed:
                 self.given.append(v > 0)
-        sides = [side.over(self.reading, self.variables) for side in each.sides]
-        self.given += [~(side.bottom == 0) for side in sides]
+        found: Ratio = each.over(self.reading, self.variables)
+        self.given.append(~(found.bottom == 0))
+        return found
+
+    def missing(self, need: Need) -> Bit:
+        """That a need is not met."""
+        part = self.over(need.of)
+        return part.top == 0 if need.bad == ZERO else part.top * part.bottom < 0
+
+    def holds(self, each: Relation) -> Bit:
+        """The relation as a formula."""
+        sides = [self.over(side) for side in each.sides]
         return all_of(*(_compared(a, sign, b) for a, sign, b in zip(sides, each.signs, sides[1:], strict=False)))
 
 
@@ -92,42 +104,107 @@ def _compared(a: Ratio, sign: str, b: Ratio) -> Bit:
     return {"<=": product <= 0, ">=": product >= 0, "<": product < 0, ">": product > 0}[sign]
 
 
-def decide(each: Relation, when: Sequence[Relation] = (), signed: frozenset[str] = frozenset()) -> Answer:
+def decide(
+    each: Relation, when: Sequence[Relation] = (), signed: frozenset[str] = frozenset(), theory: Iterable[Formula] = ()
+) -> Answer:
     """Whether a relation holds for all positive values of its symbols (any value of those `signed`) that meet `when`.
 
-    Raises Disagreement when exact points, or two solvers, contradict one another.
+    `theory`: formulas without whose meaning nothing is said; wherever they have one, the relation has to have one.
+    Raises AuditError when no point is found to be spoken of, Disagreement when exact points, or two solvers,
+    contradict one another.
     """
-    from safety.prove.bounds.routes import Limits
-    from safety.prove.bounds.routes import Question as Asked
     from safety.prove.solve import UNSAT, Disagreement
 
-    tried = list(points(each, when, signed))
-    if not any(meaningful(each, at) for at in tried):
-        raise AuditError(f"no point was found at which {each} has a meaning, and all that it is said to hold for")
+    about = tuple(theory)
+    tried = list(points(each, when, signed, about))
+    if not tried:
+        raise AuditError(f"no point was found at which all holds that {each} is said to hold for")
+    for one in tried:
+        if not meaningful(each, one):
+            return Answer(False, (EXACTLY,), one, NO_MEANING)
     point = next((at for at in tried if true_at(each, at) is False), None)
     if point is not None:
-        return Answer(False, ("exact evaluation",), point)
+        return Answer(False, (EXACTLY,), point)
+    granted = list(about)
+    for need in needs(each, signed):
+        question = Question(signed)
+        reply = _asked(question, [*granted, need.of], when, question.missing(need))
+        if reply.answer != UNSAT:
+            at = _point_of(question, reply)[0]
+            return Answer(None, why=reply.why) if at is None else Answer(False, ("z3 nlsat",), at, NO_MEANING)
     question = Question(signed)
-    conditions = [question.holds(condition) for condition in when]
-    wrong = ~question.holds(each)
-    reply: Reply = Asked(all_of(*question.given, *conditions, wrong), (), Limits(SECONDS, 200)).ask()
+    reply = _asked(question, about, when, ~question.holds(each))
     if reply.answer == UNSAT:
         exactly = sum(true_at(each, at) is True for at in tried)
         return Answer(True, (*reply.agreed_by, *([f"{exactly} exact points"] if exactly else [])))
-    if reply.witness is None:
+    at, exact = _point_of(question, reply)
+    if at is None:
         return Answer(None, why=reply.why)
-    found = {str(v.attr): (low + high) / 2 for v, (low, high) in reply.witness.items()}
-    at = {name: found[name] for name in question.variables if name in found}
-    if all(low == high for low, high in reply.witness.values()) and true_at(each, at) is not False:
+    if exact and true_at(each, at) is not False:
         raise Disagreement(f"a solver says that {each} fails at {at}, but there it holds")
     return Answer(False, ("z3 nlsat",), at)
 
 
-def points(each: Relation, when: Sequence[Relation], signed: frozenset[str]) -> Iterator[Mapping[str, Fraction]]:
+def _asked(question: Question, theory: Iterable[Formula], when: Sequence[Relation], wrong: Bit) -> Reply:
+    """Whether what is wrong can be, where the theory has a meaning and the conditions hold."""
+    from safety.prove.bounds.routes import Limits
+    from safety.prove.bounds.routes import Question as Asked
+
+    for each in theory:
+        question.over(each)
+    conditions = [question.holds(condition) for condition in when]
+    return Asked(all_of(*question.given, *conditions, wrong), (), Limits(SECONDS, 200)).ask()
+
+
+def _point_of(question: Question, reply: Reply) -> tuple[Mapping[str, Fraction] | None, bool]:
+    """The point that a solver gives, and whether it is one and not an enclosure."""
+    if reply.witness is None:
+        return None, False
+    found = {str(v.attr): (low + high) / 2 for v, (low, high) in reply.witness.items()}
+    exact = all(low == high for low, high in reply.witness.values())
+    return {name: found[name] for name in question.variables if name in found}, exact
+
+
+class Need(NamedTuple):
+    """A part of a formula that must not be `bad`, 0 or below 0, for the whole to have a meaning."""
+
+    of: Formula
+    bad: str
+
+
+def needs(each: Relation, signed: frozenset[str]) -> Iterator[Need]:
+    """Divisors and what roots are taken of, inner ones first, but for those that are above 0 by their form."""
+    for side in each.sides:
+        for op, part in _under(side):
+            if not _above_zero(part, signed):
+                yield Need(part, BELOW if op == "sqrt" else ZERO)
+
+
+def _under(each: Formula) -> Iterator[tuple[str, Formula]]:
+    for part in each.parts:
+        yield from _under(part)
+    if each.op in ("/", "sqrt") or (each.op == "^" and each.number < 0):
+        yield each.op, each.parts[1] if each.op == "/" else each.parts[0]
+
+
+def _above_zero(each: Formula, signed: frozenset[str]) -> bool:
+    if each.op == "name":
+        return each.name not in signed
+    if each.op == "number":
+        return each.number > 0
+    return each.op in ("+", "*", "/", "^", "sqrt") and all(_above_zero(part, signed) for part in each.parts)
+
+
+def points(
+    each: Relation, when: Sequence[Relation], signed: frozenset[str], theory: Sequence[Formula] = ()
+) -> Iterator[Mapping[str, Fraction]]:
     """A few points, always the same, with small fractions as values, at which all of `when` holds."""
-    names = sorted(set().union(*(side.names for relation in (each, *when) for side in relation.sides)))
+    about = (*each.sides, *(side for one in when for side in one.sides), *theory)
+    names = sorted(set().union(*(side.names for side in about)))
     drawn = (_point(names, signed, n) for n in range(TRIES))
-    yield from islice((at for at in drawn if all(true_at(condition, at) for condition in when)), POINTS)
+    spoken_of = Relation(tuple(theory), ())
+    fit = (at for at in drawn if all(true_at(one, at) for one in when) and meaningful(spoken_of, at))
+    yield from islice(fit, POINTS)
 
 
 def _point(names: Sequence[str], signed: frozenset[str], n: int) -> dict[str, Fraction]:

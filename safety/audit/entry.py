@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -13,8 +13,9 @@ from safety.audit.exceptions import AuditError
 from safety.audit.known import Known, printed
 from safety.audit.spans import Span
 from safety.audit.text import Text
-from safety.audit.verdict import CONFIRMED, INCONSISTENT, MISPRINT, NOT_DERIVABLE, Judged
+from safety.audit.verdict import CONFIRMED, INCONSISTENT, MISPRINT, Judged, Verdict
 
+ASSUMED_TAG = "[A]"
 _declared: dict[str, Entry] = {}
 
 
@@ -26,6 +27,7 @@ class Entry:
     paper: str
     kind: str
     printed: str
+    published: bool = True
     requirement: str = ""
     unit: str = ""
     where: str
@@ -50,7 +52,14 @@ class Entry:
             inputs = self.inputs()
         except (AuditError, ArithmeticError) as error:
             raise AuditError(f"{self.id}: {error}") from None
-        about = {"id": self.id, "paper": self.paper, "where": self.where, "kind": self.kind, "printed": self.printed}
+        about: dict[str, Any] = {
+            "id": self.id,
+            "paper": self.paper,
+            "where": self.where,
+            "kind": self.kind,
+            "printed": self.printed,
+        }
+        about |= {} if self.published else {"published": False}
         about |= {"requirement": self.requirement} if self.requirement else {}
         return {**about, "unit": self.unit or None, "how": self.how, "inputs": inputs, **judged}
 
@@ -76,13 +85,30 @@ class Figure(Entry):
         return self.as_printed()
 
 
-def by_claim(claim: str, verdict: str) -> Judged:
-    """The verdict on words that a claim states, from that on the claim; of none, nothing is known."""
-    if verdict == "proved":
-        return Judged(CONFIRMED, f"{claim} is proved")
-    if verdict == "refuted":
-        return Judged(INCONSISTENT, f"{claim} is refuted")
-    return Judged(NOT_DERIVABLE, "", f"{claim} is {verdict}" if verdict else f"{claim} has no verdict here yet")
+def by_claim(claim: str, found: Mapping[str, Any] | None = None, altered: Sequence[str] = ()) -> Judged:
+    """The verdict on words that a claim states, by the entry of the claim in the results; without one there is none.
+
+    `altered` are parameters that were set to other values than the words are about: then nothing is decided either.
+    """
+    if found is None:
+        return Judged(None, "", f"not run: `rightside verify`, or `rightside prove -k {claim}`")
+    if altered:
+        return Judged(None, "", f"not judged: {claim} was asked with another {', '.join(altered)}")
+    verdict = found["verdict"]
+    if verdict not in _BY_CLAIM:
+        return Judged(None, "", f"open: {claim} is {verdict}")
+    return Judged(_BY_CLAIM[verdict], f"{claim} is {verdict}", assumed=_assumed(found))
+
+
+_BY_CLAIM: Mapping[str, Verdict] = {"proved": CONFIRMED, "refuted": INCONSISTENT}
+
+
+def _assumed(claim: Mapping[str, Any]) -> tuple[str, ...]:
+    """What a claim assumes: its parameters, premises and source that are tagged A."""
+    tagged = [each for each in claim.get("parameters") or () if ASSUMED_TAG in (each.get("source") or "")]
+    texts = [f"{each['name']} = {each.get('value')} {each.get('unit') or ''}".rstrip() for each in tagged]
+    said = [*(claim.get("assumptions") or ()), claim.get("source") or ""]
+    return tuple(dict.fromkeys([*texts, *(text for text in said if ASSUMED_TAG in text)]))
 
 
 def declared() -> tuple[Entry, ...]:

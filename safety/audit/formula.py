@@ -2,8 +2,8 @@
 
     relation("T''s = (sqrt(1 + 2*α*T's*V'E/VF^2) - 1)*VF/α")     sides, and the signs between them
 
-Names may have Greek letters, digits and primes; decimals are exact; `·` is `*`, `−` is `-`, `^` and `**` are powers
-with a whole exponent.  There is no call but sqrt(...), and nothing is ever evaluated as Python.
+Names may have Greek letters, digits and primes; decimals are exact; `·` is `*`, `−` is `-`, `µ` is `μ`, `^` and `**`
+are powers with a whole exponent.  There is no call but sqrt(...), and nothing is ever evaluated as Python.
 """
 
 from __future__ import annotations
@@ -17,9 +17,11 @@ from typing import Any
 
 from safety.audit.exceptions import AuditError
 
-_TOKEN = re.compile(r"(\d+(?:\.\d+)?)|([^\W\d][\w']*)|(\*\*|<=|>=|[-+*/^()=<>])")
-_SAME = str.maketrans({"·": "*", "×": "*", "−": "-", "′": "'", "’": "'", "≤": "\u2264", "≥": "\u2265"})
+_TOKEN = re.compile(r"([0-9]+(?:\.[0-9]+)?)|([^\W\d][\w']*)|(\*\*|<=|>=|[-+*/^()=<>])")
+_SAME = str.maketrans({"µ": "μ", "·": "*", "×": "*", "−": "-", "′": "'", "’": "'", "≤": "\u2264", "≥": "\u2265"})
 SIGNS = ("=", "<=", ">=", "<", ">")
+MOST_SIGNS, MOST_BRACKETS, MOST_DIGITS = 400, 40, 40  # of a formula as written
+MOST_PLACES, MOST_POWER = 4000, 1000  # with all definitions put in
 
 
 @dataclass(frozen=True)
@@ -45,6 +47,21 @@ class Formula:
             yield self.name
         for part in self.parts:
             yield from part.places()
+
+    def numbers(self) -> Iterator[Fraction]:
+        """The numbers from left to right; exponents are none."""
+        if self.op == "number":
+            yield self.number
+        for part in self.parts:
+            yield from part.numbers()
+
+    @property
+    def power(self) -> int:
+        """At most so many factors stand in one product."""
+        parts = [part.power for part in self.parts]
+        if self.op in ("*", "/"):
+            return sum(parts)
+        return abs(int(self.number)) * parts[0] if self.op == "^" else max(parts, default=1)
 
     def replaced(self, by: Mapping[str, Formula]) -> Formula:
         """Other formulas in place of symbols, wherever they stand."""
@@ -145,16 +162,35 @@ def relation(text: str) -> Relation:
         sides.append(parser.sum())
     if parser.next:
         raise parser.stopped(f"{parser.next!r} is not expected")
+    for side in sides:
+        not_too_large(side)
     return Relation(tuple(sides), tuple(signs))
 
 
+def spelled(name: str) -> str:
+    """A name in the one spelling of letters that look alike."""
+    return name.translate(_SAME)
+
+
+def not_too_large(each: Formula) -> None:
+    """Refuse powers that no exact evaluation would come to the end of.  Raises AuditError."""
+    if each.power > MOST_POWER:
+        raise AuditError(f"a product of {each.power} factors is too large to be evaluated; {MOST_POWER} are the most")
+
+
 def _tokens(text: str) -> list[str]:
-    plain, found, at = text.translate(_SAME).replace("\u2264", "<=").replace("\u2265", ">="), [], 0
+    plain, at = spelled(text).replace("\u2264", "<=").replace("\u2265", ">="), 0
+    found: list[str] = []
     while plain[at:].strip():
         at += len(plain[at:]) - len(plain[at:].lstrip())
         token = _TOKEN.match(plain, at)
         if token is None:
             raise AuditError(f"{text!r}: {plain[at]!r} cannot be read; formulas have names, decimals, + - * / ^ sqrt()")
+        if len(found) == MOST_SIGNS or (token[1] and len(token[1]) > MOST_DIGITS):
+            raise AuditError(
+                f"{text[:MOST_DIGITS]!r}... is too long: formulas have up to {MOST_SIGNS} names, numbers and signs, "
+                f"numbers up to {MOST_DIGITS} digits; define symbols for parts of it"
+            )
         found.append(token[0])
         at = token.end()
     return found
@@ -164,7 +200,7 @@ class _Parser:
     """Sums of products of powers; the token ahead is `next`, empty at the end."""
 
     def __init__(self, text: str, tokens: Sequence[str]) -> None:
-        self.text, self.tokens, self.at = text, tokens, 0
+        self.text, self.tokens, self.at, self.brackets = text, tokens, 0, 0
 
     @property
     def next(self) -> str:
@@ -200,15 +236,19 @@ class _Parser:
             return base
         self.take()
         sign = -1 if self.next == "-" and self.take() else 1
-        if not self.next.isdecimal():
-            raise self.stopped("the exponent is a whole number")
+        if not self.next.isdecimal() or len(self.next) > len(str(MOST_POWER)):
+            raise self.stopped(f"the exponent is a whole number up to {MOST_POWER}")
         return Formula("^", (base,), number=Fraction(sign * int(self.take())))
 
     def atom(self) -> Formula:
         if self.next == "(":
             self.take()
+            self.brackets += 1
+            if self.brackets > MOST_BRACKETS:
+                raise AuditError(f"{self.text[:MOST_DIGITS]!r}... has more than {MOST_BRACKETS} brackets open at once")
             inner = self.sum()
             self.take(")")
+            self.brackets -= 1
             return inner
         if self.next[:1].isdecimal():
             return constant(Fraction(self.take()))

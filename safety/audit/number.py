@@ -11,13 +11,13 @@ from collections.abc import Mapping
 from dataclasses import replace
 from fractions import Fraction
 
-from safety.audit.exceptions import AuditError
+from safety.audit.exceptions import AuditError, Undecided
 from safety.audit.formula import decimal
-from safety.audit.reach import Point, find
+from safety.audit.reach import Point, escapes, find, lasts
 from safety.audit.spans import Span
 from safety.audit.symbols import Bound
 from safety.audit.text import Text, shown, slips
-from safety.audit.verdict import AGREES, ASSUMED, CONFIRMED, INCONSISTENT, MISPRINT, NOT_DERIVABLE, ROUNDING, Judged
+from safety.audit.verdict import CONFIRMED, INCONSISTENT, MISPRINT, NOT_DERIVABLE, ROUNDING, Judged
 
 DECISIVE = 10  # how many times nearer evidence has to be to what was meant than to what is printed
 TRIED = (Fraction(1, 1000), Fraction(1), Fraction(1000))  # values of a symbol of which nothing is known
@@ -27,15 +27,24 @@ def judge(printed: Text, by: Bound, also: Mapping[str, Bound]) -> Judged:
     """The verdict on a number.  Raises AuditError when its relation cannot be evaluated."""
     if by.free:
         return _free(printed, by)
+    try:
+        found = _with_ranges(printed, by, also)
+    except Undecided as error:
+        found = Judged(NOT_DERIVABLE, shown(_nominal(by), printed), f"not decided: {error}")
+    free = found.verdict == NOT_DERIVABLE and by.ranges("U")
+    return replace(found, assumed=by.assumed, value=None if free else _nominal(by))
+
+
+def _with_ranges(printed: Text, by: Bound, also: Mapping[str, Bound]) -> Judged:
     open_ = by.ranges("U")
-    if open_ and not _everywhere(by, open_).within(printed.span):
-        point = find(by.function, open_, by.start(), printed.span)
-        if point is not None:
-            reach = shown(_everywhere(by, open_), printed)
-            note = f"{', '.join(open_)} may be anything from {', '.join(by.inputs[n].text for n in open_)}: {reach}"
-            return Judged(NOT_DERIVABLE, reach, note)
-    found = replace(_settled(printed, by, also), value=by.nominal())
-    return _under_assumptions(printed, by, also, found) if by.ranges("A") else found
+    if open_ and escapes(by.function, open_, by.start(), printed.span, by.whole) is not None:
+        point = find(by.function, by.ranges("UPDRA"), by.start(), printed.span, by.whole)
+        reach = shown(_everywhere(by, open_), printed)
+        note = f"{', '.join(open_)} may be anything from {', '.join(by.inputs[n].text for n in open_)}: {reach}"
+        return Judged(INCONSISTENT if point is None else NOT_DERIVABLE, reach, note)
+    found = _settled(printed, by, also)
+    ranged = any(not each.exact for each in by.ranges("A").values())
+    return _under_assumptions(printed, by, also, found) if ranged else found
 
 
 def _free(printed: Text, by: Bound) -> Judged:
@@ -49,7 +58,14 @@ def _free(printed: Text, by: Bound) -> Judged:
     if len({(each.low, each.high) for each in found.values()}) < 2:
         raise AuditError(f"{first} has no value, but does not seem to matter in {by.text}; leave it out")
     told = (f"{first} = {decimal(value)} gives {shown(each, printed)}" for value, each in found.items())
-    return Judged(NOT_DERIVABLE, "", f"nothing fixes {', '.join(by.free)}: {'; '.join(told)}")
+    return Judged(NOT_DERIVABLE, "", f"nothing fixes {', '.join(by.free)}: {'; '.join(told)}", assumed=by.assumed)
+
+
+def _nominal(by: Bound) -> Span:
+    try:
+        return by.nominal()
+    except ArithmeticError as error:
+        raise AuditError(f"{by.text} cannot be evaluated: {error}") from None
 
 
 def _everywhere(by: Bound, ranges: Mapping[str, Span]) -> Span:
@@ -61,31 +77,17 @@ def _everywhere(by: Bound, ranges: Mapping[str, Span]) -> Span:
 
 def _settled(printed: Text, by: Bound, also: Mapping[str, Bound]) -> Judged:
     """The verdict with every input at its best value or within its precision."""
-    try:
-        value = by.nominal()
-    except ArithmeticError as error:
-        raise AuditError(f"{by.text} cannot be evaluated: {error}") from None
+    value = _nominal(by)
     recomputed = shown(value, printed)
     if value.within(printed.span):
         tie = value.exact and value.low in (printed.span.low, printed.span.high)
         return Judged(CONFIRMED, recomputed, "a tie: it rounds either way" if tie else "")
     if value.meets(printed.span):
         return Judged(NOT_DERIVABLE, recomputed, "the relation leaves more room than the printed digits")
-    ranges = by.ranges("PDR")
-    point = find(by.function, ranges, by.start(), printed.span)
+    point = find(by.function, by.ranges("PDR"), by.start(), printed.span, by.whole)
     if point is not None:
-        return Judged(ROUNDING, recomputed, f"as printed for {_told(point, by)}")
+        return Judged(ROUNDING, recomputed, f"as printed for {by.moved(point)}")
     return _mended(printed, value, recomputed, also)
-
-
-def _told(point: Point, by: Bound) -> str:
-    """The inputs of a witness that are not at their best values."""
-    moved = {name: value for name, value in point.items() if value != by.inputs[name].value.middle}
-    return ", ".join(f"{name} = {_short(value)}, in place of {by.inputs[name].text}" for name, value in moved.items())
-
-
-def _short(value: Fraction) -> str:
-    return f"{float(value):.8g}"
 
 
 def _mended(printed: Text, value: Span, recomputed: str, also: Mapping[str, Bound]) -> Judged:
@@ -118,19 +120,30 @@ def _speaks_for(evidence: Span, text: Text, printed: Text) -> bool:
 
 def _under_assumptions(printed: Text, by: Bound, also: Mapping[str, Bound], found: Judged) -> Judged:
     """The same verdict whatever the assumed inputs are within their ranges, or that it rests on them."""
-    inputs = {name: known for name, known in by.inputs.items() if known.tag == "A"}
-    told = tuple(f"{name} = {known.text}" for name, known in inputs.items())
-    if found.verdict not in AGREES:
-        point = find(by.function, by.ranges("A"), by.start(), printed.span)
-        if point is not None:
-            note = f"{found.verdict} with the reference, as printed with {_told(point, by)}"
-            return Judged(ASSUMED, found.recomputed, note, assumed=told, value=found.value)
-    for name, known in inputs.items():
-        for end in (known.range.low, known.range.high):
-            fixed = replace(known, value=Span(end), range=Span(end))
-            other = _settled(printed, replace(by, inputs={**by.inputs, name: fixed}), also)
-            if other.verdict != found.verdict:
-                note = f"{found.verdict} with the reference, {other.verdict} with {name} = {decimal(end)}"
-                told_too = f"{note}: {other.recomputed}"
-                return Judged(ASSUMED, found.recomputed, told_too, assumed=told, value=found.value)
-    return replace(found, assumed=told)
+    point = _otherwise(printed, by, also, found)
+    if point is None:
+        return found
+    values = {name: value for name, value in point.items() if by.inputs[name].tag == "A"}
+    other = _with_ranges(printed, by.at(values), also)
+    return found.unless(other, f"{by.moved(values)}: {other.mended or other.recomputed}")
+
+
+def _otherwise(printed: Text, by: Bound, also: Mapping[str, Bound], found: Judged) -> Point | None:
+    """Admissible values of the assumed inputs that change the verdict; None where there are none."""
+    ranges, start, whole = by.ranges("A"), by.start(), by.whole
+    if found.verdict == CONFIRMED:
+        return escapes(by.function, by.ranges("AU"), start, printed.span, whole)
+    if found.verdict == NOT_DERIVABLE:
+        return find(by.function, ranges, start, printed.span, whole)
+    if found.verdict == ROUNDING:
+        confirmed = find(by.function, ranges, start, printed.span, whole)
+        return confirmed or lasts(by.function, ranges, by.ranges("PDR"), start, printed.span, whole)
+    agrees = find(by.function, by.ranges("APDR"), start, printed.span, whole)
+    if agrees is not None:
+        return agrees
+    if found.verdict == MISPRINT:
+        meant = next(text for text, _ in slips(printed) if text.text == found.mended)
+        return escapes(by.function, ranges, start, meant.span, whole)
+    evidence = [bound.everywhere() for bound in also.values()]
+    supported = (text for text, _ in slips(printed) if any(_speaks_for(each, text, printed) for each in evidence))
+    return next(filter(None, (find(by.function, ranges, start, text.span, whole) for text in supported)), None)

@@ -14,14 +14,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from copy import copy
+from fractions import Fraction
 from typing import TypeAlias
 
 from safety.audit import number, statement, wording
 from safety.audit.entry import Entry, Figure, by_claim, register
 from safety.audit.equation import Court, Equation
 from safety.audit.exceptions import AuditError
-from safety.audit.formula import formula, relation
+from safety.audit.formula import Relation, formula, relation, spelled
 from safety.audit.known import Known
+from safety.audit.spans import Span
 from safety.audit.symbols import Bound, By, Symbol, Symbols
 from safety.audit.text import Text, text
 from safety.audit.units import unit
@@ -32,10 +34,10 @@ NO_GIVEN: Given = {}
 
 
 class Paper:
-    """The declarations of one paper; ids begin with its own."""
+    """The declarations of one paper; ids begin with its own.  What it does not print itself is not `published`."""
 
-    def __init__(self, id: str, title: str) -> None:
-        self.id, self.title = id, title
+    def __init__(self, id: str, title: str, *, published: bool = True) -> None:
+        self.id, self.title, self.published = id, title, published
         self.requirement = ""
         self.symbols = Symbols()
         self.equations: dict[str, Equation] = {}
@@ -53,6 +55,7 @@ class Paper:
 
         Raises AuditError for a name that is taken, or a unit or formula that cannot be read.
         """
+        name = spelled(name)
         if name in self.symbols.of:
             raise AuditError(f"{self.id}: the symbol {name!r} is declared twice")
         _readable(unit)
@@ -86,22 +89,23 @@ class Paper:
         def bound(each: By, meant: bool) -> Bound:
             return self.symbols.bound(each, unit, _values(given, meant))
 
-        def judge(read: Text) -> Judged:
+        def judge(stands: Text) -> Judged:
             others = {label: bound(each, True) for label, each in (also or {}).items()}
             main = bound(by, True)
-            _independent(main, others)
-            found = number.judge(read, main, others)
+            _independent(read, main, others)
+            found = number.judge(stands, main, others)
             spoilt = [each for each in given.values() if isinstance(each, Figure) and each.judged.verdict == MISPRINT]
             if found.verdict in AGREES or not spoilt:
                 return found
-            return _inherited(found, number.judge(read, bound(by, False), {}), spoilt)
+            return _inherited(found, number.judge(stands, bound(by, False), {}), spoilt)
 
         def inputs() -> list[str]:
-            return [f"{name} = {known}" for name, known in bound(by, True).inputs.items()]
+            return bound(by, True).told()
 
         new = Figure(
             id=f"{self.id}.{name}",
             paper=self.title,
+            published=self.published,
             kind="number",
             requirement=self.requirement,
             printed=printed,
@@ -133,7 +137,7 @@ class Paper:
             return [statement.part(a, sign, b) for a, sign, b in zip(bounds, read.signs, bounds[1:], strict=False)]
 
         def inputs() -> list[str]:
-            return sorted({f"{n} = {known}" for each in parts() for n, known in each.difference.inputs.items()})
+            return list(dict.fromkeys(told for each in parts() for side in each.sides for told in side.told()))
 
         return self._entry(name, "statement", printed, where, holds, lambda: statement.judge(parts()), inputs)
 
@@ -156,30 +160,41 @@ class Paper:
         this equation alone, `when` conditions.  `neglecting` is a relative error up to which the equation is meant.
         `least` is a quantity that is least where the left side, a symbol, has the value of the right one.
         """
-        read = relation(printed)
-        if not (read.signs or of):
-            raise AuditError(f"{self.id}.{name}: {printed!r} has one side; give the other with of=")
+        about = f"least value of {least}" if least else "identity by the theory"
         each = Equation(
-            read,
+            self._printed(name, printed, of),
             formula(of) if of else None,
-            dict(given or {}),
+            _definitions(given),
             tuple(relation(condition) for condition in when),
             formula(neglecting) if neglecting else None,
             formula(least) if least else None,
         )
+        return self._equation(name, f"= {printed}" if of else printed, where, each, about, note)
+
+    def rule(
+        self, name: str, printed: str, *, where: str, iff: str, given: Mapping[str, str] | None = None,
+        when: Sequence[str] = (), note: str = "",
+    ) -> Entry:  # fmt: skip
+        """Declare a printed rule of decision: it holds where the condition `iff` does, and nowhere else.
+
+        `given` and `when` as of an equation.
+        """
+        conditions = tuple(relation(condition) for condition in when)
+        stands_for = self._printed(f"{name}: iff", iff, "")
+        each = Equation(self._printed(name, printed, ""), None, _definitions(given), conditions, iff=stands_for)
+        return self._equation(name, printed, where, each, f"exactly where {iff}", note)
+
+    def _printed(self, name: str, printed: str, of: str) -> Relation:
+        read = relation(printed)
+        if not (read.signs or of):
+            raise AuditError(f"{self.id}.{name}: {printed!r} has one side; give the other with of=")
+        return read
+
+    def _equation(self, name: str, shown: str, where: str, each: Equation, about: str, note: str) -> Entry:
         self.equations[name] = each
-        how = "; ".join(
-            filter(
-                None,
-                (
-                    f"least value of {least}" if least else "identity by the theory",
-                    ", ".join(f"{symbol} := {by}" for symbol, by in (given or {}).items()),
-                    f"where {', '.join(when)}" if when else "",
-                    note,
-                ),
-            )
-        )
-        shown = f"= {printed}" if of else printed
+        definitions = ", ".join(f"{symbol} := {by}" for symbol, by in (each.given or {}).items())
+        conditions = f"where {', '.join(map(str, each.when))}" if each.when else ""
+        how = "; ".join(filter(None, (about, definitions, conditions, note)))
         return self._entry(name, "equation", shown, where, how, lambda: self._court(name).judge(each), list)
 
     def wording(
@@ -187,7 +202,7 @@ class Paper:
         when: Sequence[str] = (),
     ) -> Entry:  # fmt: skip
         """Declare words that give a direction; `says` is `x rises with y`, `falls with` or `does not depend on`."""
-        wording.read(says)
+        wording.read(spelled(says))
         conditions = tuple(relation(condition) for condition in when)
         return self._entry(
             name,
@@ -195,13 +210,16 @@ class Paper:
             printed,
             where,
             says,
-            lambda: wording.judge(says, self.symbols, given or {}, conditions),
+            lambda: wording.judge(spelled(says), self.symbols, _definitions(given), conditions),
             list,
         )
 
     def decided(self, name: str, printed: str, *, where: str, claim: str) -> Entry:
-        """Declare words that a claim states: confirmed where it is proved, inconsistent where it is refuted."""
-        new = self._entry(name, "claim", printed, where, f"claim {claim}", lambda: by_claim(claim, ""), list)
+        """Declare words that a claim states: confirmed where it is proved, inconsistent where it is refuted.
+
+        Until then there is no verdict.
+        """
+        new = self._entry(name, "claim", printed, where, f"claim {claim}", lambda: by_claim(claim), list)
         new.claim = claim
         return new
 
@@ -220,6 +238,7 @@ class Paper:
         new = Entry(
             id=f"{self.id}.{name}",
             paper=self.title,
+            published=self.published,
             kind=kind,
             requirement=self.requirement,
             printed=printed,
@@ -234,7 +253,11 @@ class Paper:
 
 def _values(given: Given, meant: bool) -> dict[str, Known | str]:
     """What is given, figures as the numbers that were meant or as those in print."""
-    return {name: _value(each, meant) for name, each in given.items()}
+    return {spelled(name): _value(each, meant) for name, each in given.items()}
+
+
+def _definitions(given: Mapping[str, str] | None) -> dict[str, str]:
+    return {spelled(name): by for name, by in (given or {}).items()}
 
 
 def _value(each: Known | str | Figure | Callable[[], Known], meant: bool) -> Known | str:
@@ -255,11 +278,32 @@ def _inherited(found: Judged, as_printed: Judged, spoilt: Sequence[Figure]) -> J
     return Judged(MISPRINT, found.recomputed, note, evidence=evidence, value=found.value)
 
 
-def _independent(main: Bound, others: Mapping[str, Bound]) -> None:
-    """Refuse evidence that rests on nothing but what the relation itself rests on."""
+def _independent(printed: Text, main: Bound, others: Mapping[str, Bound]) -> None:
+    """Refuse evidence that rests on nothing but what the relation itself rests on.
+
+    Of an input that only it has, twice as much (or 1 in place of 0) must move it by more than what is printed can tell.
+    """
     for label, other in others.items():
-        if other.text == main.text or not other.inputs.keys() - main.inputs.keys():
-            raise AuditError(f"evidence {label!r} rests on the same inputs as the relation; give an independent one")
+        if other.free:
+            raise AuditError(f"evidence {label!r}: {', '.join(other.free)} has no value")
+        own = sorted(other.inputs.keys() - main.inputs.keys())
+        if not any(_moves(other, name, printed.step / 2) for name in own):
+            raise AuditError(
+                f"evidence {label!r} rests on the same inputs as the relation"
+                + (f": {', '.join(own)} does not change it" if own else "")
+                + "; give an independent one"
+            )
+
+
+def _moves(by: Bound, name: str, least: Fraction) -> bool:
+    """Whether another value of an input changes the value by more than the least that counts."""
+    start = by.start()
+    here = by.function(start)
+    there = start[name] + start[name] if start[name].middle else Span(1)
+    try:
+        return abs(by.function({**start, name: there}).middle - here.middle) > least
+    except ArithmeticError:
+        return True
 
 
 def _readable(text: str) -> None:

@@ -4,18 +4,21 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from typing import Any, TypeAlias
 
 from safety.audit.exceptions import AuditError
-from safety.audit.formula import Formula, formula
+from safety.audit.formula import MOST_PLACES, Formula, decimal, formula, not_too_large
 from safety.audit.known import Known
 from safety.audit.spans import NUMBERS, Span, span
 from safety.audit.units import Unit, dimension, unit
 
 By: TypeAlias = str | Callable[..., Any]
 Function: TypeAlias = Callable[[Mapping[str, Span]], Span]
+
+
+DIGITS = 8  # of an input that is shown
 
 
 @dataclass(frozen=True)
@@ -38,6 +41,13 @@ class Bound:
     inputs: Mapping[str, Known]
     free: tuple[str, ...]  # symbols in it of which nothing is known
     function: Function
+    numbers: tuple[Fraction, ...] = ()  # that stand in it
+
+    def told(self) -> list[str]:
+        """The inputs, each with its value and tag."""
+        inputs = [f"{name} = {known}" for name, known in self.inputs.items()]
+        numbers = ", ".join(decimal(number) for number in self.numbers if number not in (0, 1))
+        return [*inputs, *([f"{numbers} in the relation [D]"] if numbers else [])]
 
     def start(self) -> dict[str, Span]:
         """The inputs at their best values."""
@@ -46,6 +56,28 @@ class Bound:
     def ranges(self, tags: str) -> dict[str, Span]:
         """The inputs of these tags in their ranges."""
         return {name: known.range for name, known in self.inputs.items() if known.tag in tags}
+
+    @property
+    def whole(self) -> frozenset[str]:
+        """The inputs that count something."""
+        return frozenset(name for name, known in self.inputs.items() if known.whole)
+
+    @property
+    def assumed(self) -> tuple[str, ...]:
+        """The assumed inputs, each with its value; those too that a value worked out elsewhere rests on."""
+        return tuple(dict.fromkeys(text for name, known in self.inputs.items() for text in known.assumed(name)))
+
+    def at(self, point: Mapping[str, Fraction]) -> Bound:
+        """The same with some inputs fixed."""
+        fixed = {name: replace(self.inputs[name], value=Span(v), range=Span(v)) for name, v in point.items()}
+        return replace(self, inputs={**self.inputs, **fixed})
+
+    def moved(self, point: Mapping[str, Fraction]) -> str:
+        """The inputs of a point that are not at their best values."""
+        away = {name: value for name, value in point.items() if value != self.inputs[name].value.middle}
+        return ", ".join(
+            f"{name} = {float(value):.{DIGITS}g}, in place of {self.inputs[name].text}" for name, value in away.items()
+        )
 
     def nominal(self) -> Span:
         """The value at the best values of all inputs."""
@@ -103,7 +135,11 @@ class Symbols:
             by = {name: found for name in names if (found := self._definition(name, given, values)) is not None}
             if not by:
                 return each
+            sizes = {name: sum(1 for _ in put.places()) for name, put in by.items()}
+            if sum(sizes.get(name, 1) for name in each.places()) > MOST_PLACES:
+                raise AuditError(f"with the definitions of {', '.join(sorted(by))} put in it is too long to be judged")
             each = each.replaced(by)
+            not_too_large(each)
         raise AuditError(f"the definitions of {', '.join(sorted(by))} run in a circle")
 
     def _definition(self, name: str, given: Mapping[str, Any], values: bool) -> Formula | None:
@@ -154,7 +190,8 @@ class Symbols:
             coherent = {name: each * units[name].scale for name, each in at.items()}
             return span(whole.over(NUMBERS, coherent)) / wanted.scale
 
-        return Bound(str(each), inputs, free, value)
+        numbers = () if each.op == "number" else tuple(dict.fromkeys(whole.numbers()))
+        return Bound(str(each), inputs, free, value, numbers)
 
 
 def _called(by: Callable[..., Any], given: Mapping[str, Known | str]) -> Bound:

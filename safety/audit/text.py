@@ -16,7 +16,9 @@ from math import floor
 from safety.audit.exceptions import AuditError
 from safety.audit.spans import Span
 
-_NUMBER = re.compile(r"([-+−]?)(\d[\d,  \u202f]*(?:\.\d+)?|\.\d+)")
+_GROUPS = r"[1-9][0-9]{0,2}([, \u00a0\u202f])[0-9]{3}(?:\3[0-9]{3})*"  # 132,791: a comma parts groups of three
+_NUMBER = re.compile(rf"([-+−]?)((?:{_GROUPS}|[0-9]+)(?:\.[0-9]+)?|\.[0-9]+)")
+MOST_DIGITS = 40
 FAR = 3  # places that a decimal point may have moved beyond the digits
 SPARE = 1  # digits shown of a recomputed value beyond those printed
 REPLACED, EXCHANGED, POINT = "one digit replaced", "two neighbouring digits exchanged", "decimal point moved or lost"
@@ -38,15 +40,16 @@ class Text:
 
 
 def text(printed: str, digits: int | None = None) -> Text:
-    """Read a printed number: sign, digits (with commas or spaces between), decimal point.
+    """Read a printed number: sign, digits (commas or spaces between groups of three), decimal point.
 
     `digits` is how many significant digits count; without a decimal point all are taken to, unless it says otherwise.
     Raises AuditError for anything else.
     """
     found = _NUMBER.fullmatch(printed.strip())
-    if found is None:
+    if found is None or len(printed) > MOST_DIGITS:
         raise AuditError(
-            f"{printed!r} is no printed number; write it as in print, with the unit apart: '0.5', '132,791'"
+            f"{printed[:MOST_DIGITS]!r} is no printed number; write it as in print, with a decimal point and the unit "
+            f"apart: '0.5', '132,791'"
         )
     plain = re.sub(r"[^\d.]", "", found[2])
     value = Fraction(plain) * (-1 if found[1] in ("-", "−") else 1)
@@ -54,9 +57,9 @@ def text(printed: str, digits: int | None = None) -> Text:
     step = Fraction(1, 10**places)
     if digits is not None:
         counted = len(plain.replace(".", "").lstrip("0"))
-        if not 0 < digits <= max(counted, 1):
+        if not 0 < digits <= counted:
             raise AuditError(f"{printed!r} has {counted} significant digits; digits={digits} does not fit")
-        step *= 10 ** (counted - digits)
+        step *= Fraction(10) ** (counted - digits)
     return Text(printed.strip(), value, step)
 
 

@@ -74,7 +74,8 @@ _NAMES |= {
     "ohm": _NAMES["V"] / _NAMES["A"],
 }
 _PREFIXES = {
-    name: Fraction(text) for name, text in {"k": "1e3", "M": "1e6", "c": "0.01", "m": "1e-3", "u": "1e-6"}.items()
+    name: Fraction(text)
+    for name, text in {"k": "1e3", "M": "1e6", "c": "0.01", "m": "1e-3", "u": "1e-6", "μ": "1e-6"}.items()
 }
 UNITS = Reading(lambda number: ONE, Unit.root)
 _SCALES = Reading(Unit, Unit.root)

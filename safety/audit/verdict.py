@@ -19,9 +19,12 @@ AGREES = (CONFIRMED, ROUNDING)
 
 @dataclass(frozen=True)
 class Judged:
-    """A verdict with the recomputed value, why, and where there is one the text that a slip of the pen spoilt."""
+    """A verdict with the recomputed value, why, and where there is one the text that a slip of the pen spoilt.
 
-    verdict: Verdict
+    `verdict` is None as long as the claim that decides has none.
+    """
+
+    verdict: Verdict | None
     recomputed: str
     note: str = ""
     mended: str = ""
@@ -31,6 +34,11 @@ class Judged:
     agreed_by: tuple[str, ...] = ()
     counterexample: dict[str, str] = field(default_factory=dict)
     value: Span | None = field(default=None, compare=False)  # of a number, in its printed unit
+
+    def unless(self, other: Judged, told: str) -> Judged:
+        """The same with an admissible value of an assumed input for which the verdict is another one."""
+        note = f"{self.verdict} with the reference, {other.verdict} with {told}"
+        return Judged(ASSUMED, self.recomputed, note, assumed=self.assumed, value=self.value)
 
     def to_json(self) -> dict[str, Any]:
         """The keys of an entry under "figures" that the judgement fills."""

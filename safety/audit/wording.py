@@ -47,7 +47,7 @@ def judge(says: str, symbols: Symbols, given: Mapping[str, str], when: tuple[Rel
         return Judged(CONFIRMED if true else INCONSISTENT, told, "" if true else f"{over} does not stand in it")
     answers: dict[str, Answer] = {}
     for name, sign in SIGNS.items():
-        answers[name] = decide(Relation((grown, whole), (sign,)), more, signed)
+        answers[name] = decide(Relation((grown, whole), (sign,)), more, signed, [whole, grown])
         if answers[name].holds:
             break
     found = next((name for name, answer in answers.items() if answer.holds), "")

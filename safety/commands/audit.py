@@ -2,20 +2,19 @@
 
 Verdicts: confirmed, rounding (inputs within their printed precision give it), misprint (one slip of the pen explains
 it, and something independent agrees), inconsistent, not derivable, assumed (it hangs on an assumed input).  A misprint
-that is found is a finding, not a failure.
+that is found is a finding, not a failure.  Words that a claim decides have no verdict until the claim was run: exit 3.
 """
 
 from __future__ import annotations
 
 from argparse import ArgumentParser, Namespace
-from collections import Counter
 
 from safety.commands import CommandError, options
 from safety.commands.output import data
 from safety.commands.session import Session, work
 from safety.commands.table import table
 from safety.report.assumed import mark, rests_on_assumed
-from safety.report.figures import in_order
+from safety.report.figures import counted, in_order, published, unjudged, word
 from safety.report.schema import Entry
 
 WIDTH = 48  # of a cell; JSON and the report have all of it
@@ -42,8 +41,11 @@ def run(args: Namespace) -> int:
     found = in_order(session.results.get("figures", ()))
     if found and args.json != "-":
         data(table(["figure", "printed", "recomputed", "unit", "verdict", "why"], [_row(entry) for entry in found]))
-        counts = Counter(entry["verdict"] for entry in found)
-        data(", ".join(f"{count} {verdict}" for verdict, count in counts.items()))
+        printed = published(found)
+        others = _counts([each for each in found if not each.get("published", True)])
+        for text in (_counts(printed), f"worked out here, not in print: {others}" if others else "", unjudged(found)):
+            if text:
+                data(text)
     return session.code
 
 
@@ -59,6 +61,10 @@ def _of_paper(session: Session, paper: str | None) -> None:
     session.chosen = [item for item in session.chosen if item.id.startswith(f"{paper}.")]
 
 
+def _counts(found: list[Entry]) -> str:
+    return ", ".join(f"{count} {verdict}" for verdict, count in counted(found).items())
+
+
 def _row(entry: Entry) -> list[str]:
     why = "; ".join(filter(None, (entry.get("slip"), entry.get("note") or "")))
     recomputed = _short(str(entry.get("mended") or entry.get("recomputed") or ""))
@@ -67,7 +73,7 @@ def _row(entry: Entry) -> list[str]:
         _short(str(entry.get("printed") or "")),
         recomputed + mark(rests_on_assumed("figures", entry)),
         entry.get("unit") or "",
-        entry["verdict"],
+        word(entry),
         why,
     ]
 

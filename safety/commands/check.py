@@ -13,7 +13,7 @@ from argparse import ArgumentParser, Namespace
 from pathlib import Path
 from typing import Any
 
-from safety.commands import options
+from safety.commands import options, settings
 from safety.commands.output import probe, write_plain
 from safety.commands.table import table
 from safety.prove import check
@@ -57,6 +57,7 @@ def _compare(reports: list[dict[str, Any]], args: Namespace) -> None:
 
     project = open_project(Path(args.project) if args.project else None)
     project.load_proofs()
+    settings.check(project, [], {})
     claims = {claim.id: claim for claim in project.claims}
     for report in reports:
         if check.EXIT[report["verdict"]] not in (check.EXIT[check.CHECKED], check.EXIT[check.WEAKER]):

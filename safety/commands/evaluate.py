@@ -65,6 +65,7 @@ def evaluate(project: Project, item: Item, order: Order, note: Note, how: Evalua
     """
     began = time.perf_counter()
     try:
+        _written_for(project, item, order)
         return (how or _EVALUATE[item.section])(project, item, order, note)
     except Exception as error:
         if how is not None and _of_a_store(error):
@@ -75,6 +76,16 @@ def evaluate(project: Project, item: Item, order: Order, note: Note, how: Evalua
             traceback.print_exc()
         entry = without_result(item, error)
         return Answer(item, entry | {"seconds": round(time.perf_counter() - began, 3)})
+
+
+def _written_for(project: Project, item: Item, order: Order) -> None:
+    """Refuse settings under which the item's numbers say nothing."""
+    if order.settings and item.section in ("claims", "trees", "campaigns"):
+        from safety.prove.written_for import check
+
+        claims = {"claims": project.claims, "trees": [hazard.claim for hazard in project.hazards]}
+        own = next((each.own_parameters for each in claims.get(item.section, ()) if each.id == item.id), {})
+        check(item.id, models_of(project, item), own, order.settings)
 
 
 def _of_a_store(error: Exception) -> bool:
@@ -110,7 +121,7 @@ def without_result(item: Item, error: Exception | str) -> Entry:
             base |= {"probability": None, "probability_low": 0.0, "probability_high": None, "note": text}
             said = {}
         case "figures":
-            base |= {"printed": item.statement, "verdict": "not derivable", "note": text}
+            base |= {"printed": item.statement, "verdict": None, "note": text}
             said = {"disagreed_by": [text]} if code == 6 else {}
         case "exhibits":
             base |= {"title": item.statement, "as_expected": False, "note": text}
@@ -142,14 +153,18 @@ def fitting_claim(claim: Claim, settings: Mapping[str, Value]) -> dict[str, Valu
     return {**upper, **fitting(claim.model, settings)}
 
 
+def models_of_claim(claim: Claim) -> list[type[Model]]:
+    """The model of a claim, and the one that it refines."""
+    return [claim.model, *([claim.refinement.upper] if claim.refinement is not None else [])]
+
+
 def models_of(project: Project, item: Item) -> list[type[Model]]:
     """The models that an item is about."""
     if item.is_bound:
         return []
     match item.section:
         case "claims":
-            claim = find(project.claims, item.id)
-            return [claim.model, *([claim.refinement.upper] if claim.refinement is not None else [])]
+            return models_of_claim(find(project.claims, item.id))
         case "syntheses":
             about = find(project.syntheses, item.id).model
             return [about] if about else []
@@ -230,7 +245,7 @@ def _hazard(project: Project, item: Item, order: Order, note: Note) -> Answer:
 
     hazard = find(project.hazards, item.id)
     claim = hazard.claim
-    hazard = replace(hazard, claim=replace(claim, settings={**claim.settings, **fitting(claim.model, order.settings)}))
+    hazard = replace(hazard, claim=replace(claim, settings={**fitting(claim.model, order.settings), **claim.settings}))
     began = time.perf_counter()
     found = cut_sets(hazard, Limits(order.timeout), lambda sofar: note(told(sofar, hazard)))
     return Answer(item, tree_entry(found, hazard, time.perf_counter() - began))

@@ -97,7 +97,9 @@ def _format_of(target: str | None) -> str:
 
 def _problem(args: Namespace) -> Problem:
     """The claim's problem with the settings given.  Raises CommandError for a name that is no claim's."""
-    from safety.commands.evaluate import fitting_claim
+    from safety.commands.evaluate import fitting_claim, models_of_claim
+    from safety.commands.settings import check
+    from safety.prove import written_for
     from safety.prove.prove import stated
 
     project = open_project(Path(args.project) if args.project else None)
@@ -110,7 +112,9 @@ def _problem(args: Namespace) -> Problem:
     if args.claim not in claims:
         raise CommandError(f"no claim {args.claim!r}; {nearest(args.claim, claims)}")
     claim = claims[args.claim]
+    check(project, models_of_claim(claim), dict(args.settings))
     settings = {**project.config.settings, **dict(args.settings)}
+    written_for.check(claim.id, models_of_claim(claim), claim.own_parameters, settings)
     return stated(claim, fitting_claim(claim, settings))
 
 

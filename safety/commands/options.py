@@ -7,7 +7,7 @@ import os
 from argparse import ArgumentParser
 from fractions import Fraction
 
-from safety.project import Value
+from safety.project import Value, exact
 
 
 def add_json(parser: ArgumentParser) -> None:
@@ -98,8 +98,8 @@ def typed(text: str) -> Value:
     except ValueError:
         pass
     try:
-        return Fraction(text)
-    except (ValueError, ZeroDivisionError):
+        return exact(text)
+    except ValueError:
         raise argparse.ArgumentTypeError(
             f"{text!r} is no value: write a whole number, 1/3, 0.5, true or false"
         ) from None

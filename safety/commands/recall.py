@@ -175,9 +175,9 @@ def _tuples(cls: type[Any]) -> set[str]:
 
 def _run_again(problem: Problem, given: Any, steps: int) -> Trace | None:
     """The run of a refutation, if it breaks the claim at its last step and keeps its assumptions."""
-    from safety.prove.stimulus import rerun
     from safety.prove import search
     from safety.prove.problem import observed
+    from safety.prove.stimulus import rerun
     from safety.system import ModelError
 
     try:

@@ -17,7 +17,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from safety.commands import CommandError, memory, options
+from safety.commands import CommandError, memory, options, settings
 from safety.commands.evaluate import find, fitting, fitting_claim
 from safety.commands.output import data, probe
 from safety.commands.runs import add_signals, chosen_signals, show_run
@@ -95,6 +95,7 @@ def run(args: Namespace) -> int:
         probe(Path(target))
     project = open_project(Path(args.project) if args.project else None)
     project.load_proofs()
+    settings.check(project, [], {})
     for problem in project.problems:
         print(f"x {problem}", file=sys.stderr)
     bound = next((each for each in project.bounds if each.id == args.id), None)
@@ -203,7 +204,7 @@ def _synthesis(project: Project, name: str, recorded: Recorded) -> Replayed:
 def _cut_set(project: Project, name: str, key: str | int | None, recorded: Recorded) -> Replayed:
     hazard = find(project.hazards, name)
     faults = _faults(name, key, recorded.entry)
-    settings = {**hazard.claim.settings, **fitting(hazard.claim.model, recorded.settings)}
+    settings = {**fitting(hazard.claim.model, recorded.settings), **hazard.claim.settings}
     problem = search.with_faults(build_problem(replace(hazard.claim, settings=settings)), faults)
     present = " & ".join(faults) or "no fault"
     run: Trace | None = None

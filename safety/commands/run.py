@@ -16,7 +16,8 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
-from safety.commands import INPUT_ERROR, CommandError, options
+from safety.commands import INPUT_ERROR, CommandError, options, settings
+from safety.commands.evaluate import fitting
 from safety.commands.lookup import fault, model_named
 from safety.commands.output import probe
 from safety.commands.runs import add_signals, chosen_signals, moving, show_run, unchanged
@@ -65,7 +66,8 @@ def run(args: Namespace) -> int:
     project = open_project(Path(args.project) if args.project else None)
     project.load_models()
     model = model_named(project, args.model)
-    system = trace(model, {**_fitting(project.config.settings, model), **dict(args.settings)})
+    settings.check(project, [model], dict(args.settings))
+    system = trace(model, {**fitting(model, project.config.settings), **dict(args.settings)})
     given = [(name, value) for key, value in map(_pair, args.inputs) for name in _inputs(system, key)]
     fixed = {name: _typed(value, _sort(system, name), name) for name, value in given}
     rows, steps = _rows(args, system, fixed)
@@ -159,9 +161,3 @@ def _typed(text: str, sort: Sort, where: str) -> Any:
     if not sort.admits(value):
         raise CommandError(f"{where} is {sort}: {text!r} is not a value of it")
     return value
-
-
-def _fitting(settings: Mapping[str, Any], model: Any) -> dict[str, Any]:
-    from safety.commands.evaluate import fitting
-
-    return fitting(model, settings)

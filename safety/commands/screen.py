@@ -11,6 +11,7 @@ from typing import Any
 
 from safety.commands.selection import Item
 from safety.report.assumed import mark, rests_on_assumed
+from safety.report.figures import word
 from safety.report.numbers import bracket_text, number, weakest_text
 from safety.report.schema import Entry
 from safety.report.standing import Standing, standing
@@ -150,7 +151,7 @@ def _figure(entry: Entry) -> list[str]:
     recomputed = entry.get("mended") or entry.get("recomputed") or ""
     differs = recomputed and entry["verdict"] not in ("confirmed", "rounding")
     told = f"{entry.get('printed')} for {recomputed}" if differs else entry.get("printed") or ""
-    return [entry["verdict"], told + mark(rests_on_assumed("figures", entry))]
+    return [word(entry), told + mark(rests_on_assumed("figures", entry))]
 
 
 _TOLD = {

@@ -15,7 +15,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from safety.commands import INPUT_ERROR, INTERRUPTED, CommandError, earlier, memory
+from safety.commands import INPUT_ERROR, INTERRUPTED, earlier, memory, settings
 from safety.commands.earlier import Earlier
 from safety.commands.evaluate import (
     Answer,
@@ -23,7 +23,6 @@ from safety.commands.evaluate import (
     Order,
     evaluate,
     fitting,
-    has_parameter,
     models_of,
     without_result,
 )
@@ -77,14 +76,12 @@ class Session:
         """Do everything that was chosen; results are shown as they come and kept, whatever happens."""
         began = time.monotonic()
         config, args = self.project.config, self.args
-        settings = {**config.settings, **dict(args.settings)}
-        order = Order(args.timeout or config.timeout, settings, bool(getattr(args, "vcd", None)), args.traceback)
+        given = {**config.settings, **dict(args.settings)}
+        order = Order(args.timeout or config.timeout, given, bool(getattr(args, "vcd", None)), args.traceback)
         order.certify = getattr(args, "certify", None) or ""
         order.injecting = getattr(args, "injecting", {})
         if self.earlier:
             order.cache, order.again = True, self.earlier.again
-        if not (self.earlier and self.earlier.known):
-            self._check(order)
         screen = Screen(not args.no_progress)
         try:
             self._show_problems(screen, self.project.problems)
@@ -176,6 +173,8 @@ class Session:
         except ResultsError as error:  # one entry that is out of shape must not cost all the others
             entry = without_result(item, str(error))
         self.results.update(merge(self.results, {item.section: [entry]}))
+        if item.section == "figures" and entry.get("claim"):
+            return True  # its verdict is that of a claim that may come later: shown when all are there
         screen.result(item.section, entry, width)
         as_asked = standing(item.section, entry).code == 0
         if self.tables and as_asked and entry.get("counterexample"):  # the others follow at the end
@@ -193,32 +192,6 @@ class Session:
             if self.args.traceback:
                 screen.say(problem.traceback.rstrip())
 
-    def _check(self, order: Order) -> None:
-        """Refuse settings that no model has or that are out of range, before anything runs."""
-        if not order.settings:
-            return
-        from safety.tracing import trace
-
-        models = _models(self.project, self.chosen)
-        for name in order.settings:
-            hit = [model for model in models if has_parameter(model, name)]
-            if models and not hit:
-                self._refuse(models, name)
-            for model in hit:
-                trace(model, fitting(model, order.settings))
-
-    def _refuse(self, models: Sequence[Any], name: str) -> None:
-        from safety.system import ModelError
-        from safety.tracing import resolve
-
-        messages = []
-        for model in models:
-            try:
-                resolve(model, {name: None})
-            except ModelError as error:
-                messages.append(str(error))
-        raise CommandError(f"--set: {min(messages, key=lambda text: ('did you mean' not in text, len(text)))}")
-
     def _keep(self) -> str:
         """Keep the results for --lf, replay and report; why not, if so.
 
@@ -229,26 +202,31 @@ class Session:
         done = not (self.part or self.interrupted or self.project.problems)
         return memory.keep(self.project.root, self.results, self.sections if done else ())
 
-    def _close(self) -> None:
+    def _close(self, screen: Screen) -> None:
         """Put the verdicts of claims to what names them; those of an earlier run too, if nothing has changed."""
         campaigns, figures = (self.results.get(section, ()) for section in ("campaigns", "figures"))
         if not any(entry.get("closure") for entry in campaigns) and not any(entry.get("claim") for entry in figures):
             return
         kept = {} if self.args.settings else memory.last(self.project.root)
         same = kept.get("models") == self.results["models"]
-        known = merge(kept, self.results) if same else self.results
+        known = merge(kept, self.results) if same else {**self.results}
+        known["settings"] = {**self.project.config.settings, **dict(self.args.settings)}
         settle = {"campaigns": ("closure", settled), "figures": ("claim", decided)}
         for section, (names, closed) in settle.items():
             if self.results.get(section):
                 entries = self.results[section]
                 self.results[section] = [closed(entry, known) if entry.get(names) else entry for entry in entries]
+        width = max((len(item.id) for item in self.chosen), default=0)
+        for entry in self.results.get("figures", ()):
+            if entry.get("claim"):
+                screen.result("figures", entry, width)
 
     def _end(self, screen: Screen) -> int:
         """Keep and show what was found; the exit code."""
         problems, args = self.project.problems, self.args
         if problems:
             self.results["limits"] = [f"left out: {each.file}:{each.line}: {each.message}" for each in problems]
-        self._close()
+        self._close(screen)
         warning = self._keep()
         if self.earlier and not problems:
             self.earlier.keep(self.results)
@@ -325,6 +303,8 @@ def work(
     if getattr(args, "certify", None):
         probe(Path(args.certify, "*.cert.zip"))
     session = start(args, sections, whole)
+    if session.chosen and not (session.earlier and session.earlier.known):
+        settings.check(session.project, _models(session.project, session.chosen), dict(args.settings))
     session.tables = tables
     session.here = check(session)
     if whole:

@@ -74,6 +74,11 @@ class Claim:
     refinement: Any = None
     steps_per_frame: int = 1
 
+    @property
+    def own_parameters(self) -> Mapping[str, Any]:
+        """The parameters that the claim itself sets, or leaves open (None)."""
+        return {**self.settings, **dict.fromkeys(self.symbolic)}
+
 
 _registry: dict[str, Claim] = {}
 

@@ -55,7 +55,7 @@ def build_problem(claim: Claim, settings: dict[str, Any] | None = None, change: 
 
     Raises `ModelError` (or `TermError`) for a claim that names no signal, a lemma that reads an input, and the like.
     """
-    bare = change(trace(claim.model, {**claim.settings, **(settings or {})}, claim.symbolic))
+    bare = change(trace(claim.model, {**(settings or {}), **claim.settings}, claim.symbolic))
     if claim.anywhere:
         bare = replace(bare, states=tuple(replace(s, power_up=ANY) for s in bare.states))
     faulted = equipped(claim, bare, claim.steps_per_frame)

@@ -7,7 +7,6 @@ equal, is then a claim like any other: proved by induction, or refuted with a re
 
 from __future__ import annotations
 
-import contextlib
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, cast
@@ -21,7 +20,7 @@ from safety.system import ANY, ModelError, State, System, nearest, substitute
 from safety.terms import Bit
 from safety.terms.graph import Term, variable, variables
 from safety.terms.values import all_of, bit
-from safety.tracing import resolve, trace
+from safety.tracing import fitting, trace
 
 Reading = Callable[[Seen], Mapping[str, Any]]
 
@@ -84,7 +83,7 @@ def build_refinement(claim: Claim, settings: Mapping[str, Any] | None = None, ch
     registers, outputs or inputs that do not fit.
     """
     wanted: Refinement = claim.refinement
-    given_to = {model: _fitting(model, {**claim.settings, **(settings or {})}) for model in (claim.model, wanted.upper)}
+    given_to = {model: fitting(model, {**(settings or {}), **claim.settings}) for model in (claim.model, wanted.upper)}
     faulted = equipped(claim, change(trace(claim.model, given_to[claim.model])), wanted.steps)
     frame = faulted.system
     upper = _renamed(trace(wanted.upper, given_to[wanted.upper]), frame)
@@ -114,15 +113,6 @@ def build_refinement(claim: Claim, settings: Mapping[str, Any] | None = None, ch
     holds = all_of(*same.values(), aligned, same_outputs, met)
     start = all_of(frame.start, budget, *chosen)
     return Problem(claim, system, replace(faulted, system=system), holds, (bit(True),), given, start, lemmas)
-
-
-def _fitting(model: type[Model], settings: Mapping[str, Any]) -> dict[str, Any]:
-    """The settings for which a model has a parameter."""
-    fitting: dict[str, Any] = {}
-    for name, value in settings.items():
-        with contextlib.suppress(ModelError):
-            fitting |= resolve(model, {name: value})
-    return fitting
 
 
 def _registers(upper: System) -> dict[str, State]:

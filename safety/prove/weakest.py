@@ -28,6 +28,7 @@ from safety.model import Model
 from safety.prove.claims import INTEGERS, PROVED, Claim, F, Formula, Scenario, Seen, claim_id
 from safety.system import ModelError
 from safety.terms import Bit, Real
+from safety.terms.graph import describe, variables
 
 if TYPE_CHECKING:
     from safety.prove.bounds import Bound
@@ -180,11 +181,22 @@ def weakest_of(
 
     def declare(family: Family) -> Family:
         name = id or claim_id(family)
-        one = family(within[0])
+        _check_range(name, within, (int,))
+
+        def made(value: int) -> Claim:
+            try:
+                one = family(value)
+            except Exception as error:
+                raise ModelError(f"{name} makes no claim of {value}: {type(error).__name__}: {error}") from error
+            if not isinstance(one, Claim):
+                raise ModelError(f"{name} makes {one!r} of {value}; return a Claim")
+            return one
+
+        one = made(within[0])
         _register(
             Synthesis(
                 name, _said(name, family), parameter, within, safe, gap, unit, one.requirement, one.source,
-                dict(at or {}), family, family, covers=covers, place=_place(family),
+                dict(at or {}), made, made, covers=covers, place=_place(family),
             )
         )  # fmt: skip
         return family
@@ -209,6 +221,8 @@ def weakest_real(
     `bound.given` should leave the variable open over the range; `unit` is its unit.  Raises as `weakest`.
     """
     caller = sys._getframe(1)
+    if all(v is not variable for v in variables([bound.quantity, bound.per, *bound.given])):
+        raise ModelError(f"{id}: {describe(variable)} is no variable of {bound.id}; name one that it reads")
     found = Synthesis(
         id, bound.sentence(Fraction(limit)), str(variable.attr), within, safe, gap, unit, bound.requirement,
         bound.source, dict(at or {}), bound=replace(bound, id=id), limit=Fraction(limit),
@@ -241,13 +255,22 @@ def _place(about: Callable[..., Any]) -> tuple[str, int]:
     return about.__code__.co_filename, about.__code__.co_firstlineno
 
 
-def _register(new: Synthesis) -> Synthesis:
-    low, high = new.within
+def _check_range(name: str, within: tuple[Value, Value], kinds: tuple[type, ...]) -> None:
+    if not isinstance(within, tuple) or len(within) != 2 or any(type(end) not in kinds for end in within):
+        kind = "whole numbers" if kinds == (int,) else "exact: whole numbers or fractions"
+        raise ModelError(f"{name}: within={within!r}; its two ends are {kind}")
+    low, high = within
     if not low < high:
-        raise ModelError(f"{new.id}: within={new.within}; give two different values, the lower one first")
+        raise ModelError(f"{name}: within={within}; give two different values, the lower one first")
+
+
+def _register(new: Synthesis) -> Synthesis:
+    exact = (int,) if new.bound is None else (int, Fraction)
+    _check_range(new.id, new.within, exact)
+    low, high = new.within
     if new.safe not in (ABOVE, BELOW):
         raise ModelError(f"{new.id}: safe={new.safe!r}; it is ABOVE or BELOW")
-    if new.gap <= 0 or (new.bound is None and type(new.gap) is not int):
+    if type(new.gap) not in exact or new.gap <= 0:
         raise ModelError(f"{new.id}: gap={new.gap!r}; it is a whole number from 1 up, for reals an exact one above 0")
     if not new.free and new.bound is None and high - low > EVERY:
         raise ModelError(f"{new.id}: within={new.within}; each of these values is looked at: shorten the range")

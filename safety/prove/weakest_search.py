@@ -15,12 +15,15 @@ from safety.prove.claims import PROVED, REFUTED, Claim, Scenario
 from safety.prove.engines.engine import in_integers
 from safety.prove.induction import Obligation, discharge, property_obligations
 from safety.prove.outcome import Limits, Outcome
+from safety.prove.premises import show_premises
 from safety.prove.problem import Problem
 from safety.prove.prove import decide, stated
 from safety.prove.weakest import ABOVE, Synthesis, Value
 from safety.prove.weakest_found import Found, apart
+from safety.prove.weakest_given import NotShownError, left_out_of_model, left_out_of_reals
 from safety.system import ModelError
 from safety.terms import UInt
+from safety.tracing import fitting
 
 if TYPE_CHECKING:
     from safety.prove.bounds import Finding
@@ -38,7 +41,8 @@ def find(
 ) -> Found:
     """Look for the weakest safe value; `decided` gives the verdict on a problem, `say` is told what is tried.
 
-    `settings` are those of other parameters of the model.  Raises as `prove`, and `check` for bounds.
+    `settings` are those of other parameters of the model.  Raises as `prove`, and `check` for bounds; and `ModelError`
+    for a value said to be safe that `given` leaves out, a range beyond the parameter's, a setting of what is held.
     """
     began = time.perf_counter()
     limits = limits or Limits()
@@ -64,6 +68,10 @@ class _Asked(ABC):
     @abstractmethod
     def refute(self, value: Value) -> tuple[Value, Any] | None:
         """A value from this one on that is refuted, and what shows it."""
+
+    @abstractmethod
+    def left_out(self, value: Value) -> Value | None:
+        """A value from this one on that what is given leaves out; None if there is none.  Raises `NotShownError`."""
 
     def guess(self) -> Value | None:
         """Where the proofs end, most likely, if that is soon said; it is to be confirmed."""
@@ -91,6 +99,7 @@ class _Asked(ABC):
             worst = self.refute(s.strictest)
             found.refuted_at, found.run = worst or (None, None)
             found.why = f"no value is safe: {s.strictest} is not" if worst else f"not proved anywhere: {self.why}"
+        self._all_possible(found)
         if found.safe_from is not None and not found.everywhere:
             self._refuted(found, open_)
         if found.refuted_at is not None:
@@ -121,6 +130,23 @@ class _Asked(ABC):
             found.safe_from, found.proof = value, proof
         return proof is not None
 
+    def _all_possible(self, found: Found) -> None:
+        """Refuse a safe side of which what is given leaves values out: the proof says nothing of them."""
+        if found.safe_from is None:
+            return
+        s, value = self.synthesis, found.safe_from
+        try:
+            missing = self.left_out(value)
+        except NotShownError as error:
+            found.safe_from = found.proof = None
+            found.why = f"proved from {value} on, but not that what is given leaves all these values possible: {error}"
+            return
+        if missing is not None:
+            raise ModelError(
+                f"{s.id}: what is given leaves out {s.parameter} {missing}, so nothing is proved of it; "
+                f"shorten within={s.within} or change what is given"
+            )
+
     def _refuted(self, found: Found, near: Value) -> None:
         """The refuted value nearest to the safe one, if any."""
         hit = self.refute(near) or self.refute(self.synthesis.loosest)
@@ -148,10 +174,33 @@ class _OfClaims(_Asked):
         assert synthesis.proving is not None and synthesis.breaking is not None
         self.proving, self.breaking, self.decided = synthesis.proving, synthesis.breaking, decided
         self.settings = dict(settings or {})
+        if synthesis.free:
+            used = self._open.system.settings[synthesis.free]
+            if synthesis.within[0] < used.low or used.high < synthesis.within[1]:
+                raise ModelError(
+                    f"{synthesis.id}: within={synthesis.within}, but {used.path} lies in {used.low}..{used.high} "
+                    f"{used.unit} ({used.source}); shorten the range"
+                )
 
     def stated(self, claim: Claim) -> Problem:
         """What a claim asks, with the settings of the other parameters."""
+        self._refuse(claim, self.settings, claim.settings, "held")
+        self._refuse(claim, {**claim.settings, **self.settings}, dict.fromkeys(claim.symbolic), "left open")
         return stated(claim, self.settings)
+
+    def _refuse(self, claim: Claim, settings: Mapping[str, Any], own: Mapping[str, Any], how: str) -> None:
+        """Refuse settings of what the claim itself says: they would change nothing, or what is looked for."""
+        kept = fitting(claim.model, own)
+        for path, value in fitting(claim.model, settings).items():
+            if path in kept:
+                raise ModelError(f"{self.synthesis.id}: {path} = {value} is set, but it is {how} here; leave it out")
+
+    def left_out(self, value: Value) -> Value | None:
+        """Asked of a parameter of the model; of a family, each value has been proved or shown to say something."""
+        if not self.synthesis.free:
+            return None
+        ends = (int(self.synthesis.strictest), int(value))
+        return left_out_of_model(self._open, self.synthesis.free, ends, self.limits)
 
     def prove(self, value: Value) -> Outcome | None:
         """One proof for all values from this one on, or one for each of them."""
@@ -166,7 +215,8 @@ class _OfClaims(_Asked):
         return proof
 
     def _show_cover(self, value: int, others: range) -> None:
-        """Show that whatever the claims of other values are about, that of this one is about too."""
+        """Show that whatever the claims of other values are about, that of this one is about too; and that they are
+        about something."""
         one = self.stated(replace(self.proving(value), scenario=None))
         for v in others:
             other = self.stated(replace(self.proving(v), scenario=None))
@@ -181,6 +231,13 @@ class _OfClaims(_Asked):
                 raise ModelError(
                     f"{self.synthesis.id}: the claim of {value} does not cover that of {v}: {what} differs; "
                     "leave out covers=True, and each value is proved by itself"
+                )
+            said = Outcome(other.claim, PROVED, other)
+            show_premises(other, said, self.limits)
+            if said.verdict != PROVED:
+                raise ModelError(
+                    f"{self.synthesis.id}: the claim of {v} says nothing, so it is not shown to be safe: {said.why}; "
+                    f"shorten within={self.synthesis.within}"
                 )
 
     def _proof(self, value: Value) -> Outcome | None:
@@ -283,6 +340,15 @@ class _OfBound(_Asked):
             return None
         ends = next((ends for x, ends in finding.witness.items() if str(x.attr) == self.synthesis.parameter), None)
         return (ends[0], finding) if ends is not None and ends[0] == ends[1] else None
+
+    def left_out(self, value: Value) -> Value | None:
+        """Asked of the bound's variable."""
+        from safety.prove.bounds.statement import reals
+
+        s = self.synthesis
+        assert s.bound is not None
+        (x,) = reals(s.parameter)
+        return left_out_of_reals(s.bound.situation, s.bound.whole, x, (s.strictest, value), self.limits.timeout)
 
     def _check(self, value: Value) -> Finding:
         from safety.prove.bounds import Limits as Seconds

@@ -11,6 +11,7 @@ from fractions import Fraction
 from typing import Any, NamedTuple
 
 from safety.report.assumed import assumed_mode, mark, rests_on_assumed
+from safety.report.figures import word
 from safety.report.numbers import faults_text, number, tags_of
 from safety.report.schema import Entry
 from safety.report.standing import WORST_FIRST, judge
@@ -259,10 +260,11 @@ def _value(value: Any) -> Any:
 
 def _figures(results: Results) -> Iterator[Item]:
     for figure in results.get("figures", ()):
-        if figure["verdict"] not in ("confirmed", "rounding"):
+        expected = ("confirmed", "rounding") if figure.get("published", True) else ("confirmed", "rounding", "assumed")
+        if figure["verdict"] not in expected:
             meant = f", printed {figure['printed']} for {figure['mended']}" if figure.get("mended") else ""
             note = f": {figure['note']}" if figure.get("note") else ""
-            yield Item(figure["id"], f"{figure['verdict']}{meant}{note}", "figures", figure)
+            yield Item(figure["id"], f"{word(figure)}{meant}{note}", "figures", figure)
 
 
 def parameters(results: Results) -> list[Entry]:

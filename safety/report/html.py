@@ -14,7 +14,7 @@ from markupsafe import Markup
 from safety.report import results as documents
 from safety.report.assumed import MARK, assumed_mode, assumed_set, rests_on_assumed
 from safety.report.bars_svg import CLASSES, classes_bar, interval_svg
-from safety.report.figures import ORDER, by_paper
+from safety.report.figures import by_paper, counted, published, unjudged, word
 from safety.report.gaps import gaps, parameters
 from safety.report.histogram_svg import bins, histogram_svg
 from safety.report.numbers import TAGS, bracket_text, cell_text, clean, exact_text, faults_text, number
@@ -58,7 +58,9 @@ def html(results: documents.Results, timings: bool = False) -> str:
             judged=list(judge(shown)),
             gaps=gaps(shown),
             papers=by_paper(shown.get("figures", ())),
-            figure_verdicts=ORDER,
+            printed=published(shown.get("figures", ())),
+            figure_counts=counted(published(shown.get("figures", ()))),
+            unjudged=unjudged(shown.get("figures", ())),
             models=_models(shown.get("claims", [])),
             verdicts=Counter(claim["verdict"] for claim in shown.get("claims", ())),
             refuted=[claim for claim in shown.get("claims", ()) if claim.get("counterexample")],
@@ -124,6 +126,7 @@ def _environment(results: documents.Results) -> Environment:
         assumed_mode=assumed_mode,
         assumed_set=assumed_set,
         mark=_mark,
+        word=word,
         words=WORDS,
         all_verdicts=VERDICTS,
         classes=CLASSES,

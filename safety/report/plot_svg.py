@@ -22,6 +22,7 @@ TICKS_X, TICKS_Y = 10, 8
 MARKED = 24  # points of a curve up to which each has a marker
 ROW, SAMPLE = 24, 40  # px: a row of the legend, a sample in it
 SERIES = ("curve", "points", "rule", "band")  # in the legend, in this order
+COLOURS = 10
 DASHES = ("", "9 4", "2.5 3.5", "12 4 2.5 4", "5 3", "14 5")
 MARKERS = (
     "M-4.2 0a4.2 4.2 0 1 0 8.4 0a4.2 4.2 0 1 0-8.4 0Z",
@@ -34,10 +35,12 @@ MARKERS = (
 STYLE = """
 .plot { --p-ink: var(--ink, #1b1f24); --p-dim: var(--dim, #57606a); --p-line: var(--line, #d0d7de);
   --p-ground: var(--paper, #ffffff);
-  --p0: #0b5c8f; --p1: #b3261e; --p2: #1a6b3c; --p3: #8a5200; --p4: #6a3d9a; --p5: #3d4650; }
+  --p0: #0b5c8f; --p1: #b3261e; --p2: #1a6b3c; --p3: #8a5200; --p4: #6a3d9a; --p5: #3d4650;
+  --p6: #00777a; --p7: #a3246b; --p8: #5f6b00; --p9: #3f4fc4; }
 @media screen and (prefers-color-scheme: dark) { .plot { --p-ink: var(--ink, #e4e8ec); --p-dim: var(--dim, #9ea8b3);
   --p-line: var(--line, #353d47); --p-ground: var(--paper, #14181d);
-  --p0: #7ab8e6; --p1: #ff9389; --p2: #7fd09c; --p3: #efb55e; --p4: #c3a3ea; --p5: #b9c2cb; } }
+  --p0: #7ab8e6; --p1: #ff9389; --p2: #7fd09c; --p3: #efb55e; --p4: #c3a3ea; --p5: #b9c2cb;
+  --p6: #5cc9cc; --p7: #f08cc0; --p8: #c6d15a; --p9: #9aa6ff; } }
 .plot .ground { fill: var(--p-ground); } .plot .frame { fill: none; stroke: var(--p-dim); }
 .plot .grid { stroke: var(--p-line); stroke-width: 1; fill: none; }
 .plot text { font: 12.5px system-ui, "Segoe UI", "DejaVu Sans", "Noto Sans CJK JP", Arial, sans-serif;
@@ -45,7 +48,7 @@ STYLE = """
 .plot .over { paint-order: stroke; stroke: var(--p-ground); stroke-width: 4px; stroke-linejoin: round; }
 .plot .curve { fill: none; stroke-width: 2; stroke-linejoin: round; } .plot .rule { fill: none; stroke-width: 1.5; }
 .plot .mark { stroke: var(--p-ground); stroke-width: 1; } .plot .band { opacity: .16; }
-""" + "".join(f".plot .s{n} {{ stroke: var(--p{n}); }} .plot .f{n} {{ fill: var(--p{n}); }}\n" for n in range(6))
+""" + "".join(f".plot .s{n} {{ stroke: var(--p{n}); }} .plot .f{n} {{ fill: var(--p{n}); }}\n" for n in range(COLOURS))
 
 Entry = Mapping[str, Any]
 
@@ -57,11 +60,11 @@ class _Look(NamedTuple):
 
     @property
     def stroke(self) -> str:
-        return f"s{self.n % len(DASHES)}"
+        return f"s{self.n % COLOURS}"
 
     @property
     def fill(self) -> str:
-        return f"f{self.n % len(DASHES)}"
+        return f"f{self.n % COLOURS}"
 
     @property
     def dash(self) -> dict[str, str]:

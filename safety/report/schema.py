@@ -330,6 +330,7 @@ class Figure(TypedDict, total=False):
 
     id: Required[str]
     paper: str | None
+    published: bool  # absent: it stands in the paper; False: worked out from it here
     where: str | None
     kind: str  # number, statement, equation, wording, claim
     requirement: str | None
@@ -339,7 +340,8 @@ class Figure(TypedDict, total=False):
     how: str  # the relation
     claim: str  # whose verdict decides
     inputs: list[str]  # what entered, each with its tag
-    verdict: Required[FigureVerdict]
+    verdict: Required[FigureVerdict | None]  # None: the claim that decides has no verdict to give
+    waits: bool  # as it was not run
     value: dict[str, Any]  # recomputed: value and exact, or low and high where it is enclosed
     mended: str  # of a misprint: what was meant
     slip: str  # and how it was spoilt

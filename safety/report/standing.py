@@ -120,6 +120,8 @@ def _campaign(entry: Entry) -> Standing:
     target = entry.get("target_coverage") or {}
     if target.get("met", True) is None:
         return Standing(UNDECIDED, target["told"])
+    if not entry["injections"] and entry.get("note") and not entry.get("part"):
+        return Standing(UNDECIDED, entry["note"])
     if not entry["exhaustive"] and entry.get("expect", {}).get("exhaustive", True):
         return Standing(WEAKER, f"a sample of {entry['injections']} injections, expected all")
     return Standing(AS_ASKED)
@@ -131,7 +133,7 @@ def _tree(entry: Entry) -> Standing:
         and entry.get("probability_high") is None
         and entry.get("probability_low") is not None
     ):
-        return Standing(UNDECIDED, "the probability has no upper bound")
+        return Standing(UNDECIDED, entry.get("note") or "the probability has no upper bound")
     return _target(entry)
 
 
@@ -152,4 +154,6 @@ def _value(entry: Entry) -> str:
 
 
 def _figure(entry: Entry) -> Standing:
+    if entry.get("waits"):
+        return Standing(UNDECIDED, entry.get("note") or "not run")
     return Standing(AS_ASKED)

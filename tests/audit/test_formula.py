@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from safety.audit import AuditError, Span, sqrt
 from safety.audit.formula import Formula, constant, decimal, formula, relation, symbol
 from safety.audit.spans import NUMBERS
+from safety.audit.symbols import Symbol, Symbols
 from safety.audit.units import Mismatch, dimension, unit
 
 
@@ -45,6 +46,25 @@ def test_a_formula_has_the_value_that_a_reader_expects(text: str, expected: Frac
 def test_what_is_no_formula_is_refused_with_the_text(text: str) -> None:
     with pytest.raises(AuditError, match="|".join([r"products need a \*", "cannot be read"])):
         relation(text)
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["(" * 2000 + "x" + ")" * 2000, "(" * 60 + "x" + ")" * 60, "-" * 5000 + "x", "x+" * 1500 + "x", "x^999999",
+     "x^9999999999", "((x^99)^99)^99", "2^9^9", "9" * 5000, "x^1001", "1/x^600*x^600"],
+)  # fmt: skip
+def test_what_is_too_large_is_refused_at_once(text: str) -> None:
+    with pytest.raises(AuditError, match=r"too l|brackets|exponent|not expected"):
+        relation(text)
+
+
+def test_definitions_do_not_grow_beyond_what_can_be_judged() -> None:
+    for grow in ("{0}*{0}", "{0} + {0}", "{0} - {0}^9"):
+        symbols = Symbols({"x0": Symbol("x0", "1")})
+        for n in range(1, 60):
+            symbols.of[f"x{n}"] = Symbol(f"x{n}", "1", by=formula(grow.format(f"x{n - 1}")))
+        with pytest.raises(AuditError, match="too l"):
+            symbols.expanded(symbol("x59"), {}, values=False)
 
 
 def test_a_relation_is_no_formula() -> None:

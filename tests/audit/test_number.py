@@ -71,6 +71,17 @@ def test_evidence_that_rests_on_the_same_inputs_is_refused(paper: Paper) -> None
         judged(paper, "0.93994", by="T", also={"itself": "2*T - divisor/f"})
 
 
+@pytest.mark.parametrize(
+    "relation", ["T + 0*counted", "T + counted - counted", "T*counted/counted", "T + counted/10^9"]
+)
+def test_evidence_has_to_move_with_an_input_of_its_own(paper: Paper, relation: str) -> None:
+    paper.symbol("counted", "s", "in another table", printed("1.000"))
+    with pytest.raises(AuditError, match="counted does not change it"):
+        judged(paper, "0.93994", by="T", also={"disguised": relation})
+    with pytest.raises(AuditError, match="unheard has no value"):
+        paper.figure("free", "0.93994", "s", where="", by="T", also={"open": "unheard"}).evaluate()
+
+
 def test_what_no_single_slip_explains_is_inconsistent(paper: Paper) -> None:
     paper.symbol("counted", "s", "in another table", printed("1.000"))
     assert judged(paper, "0.51234", by="T", also=EVIDENCE) == Judged(
@@ -113,6 +124,92 @@ def test_what_hangs_on_an_assumed_input_says_so(paper: Paper, text: str, verdict
     found = judged(paper, text, by="T*(1 + load)", given={"f": derived("32.768")})
     assert found.verdict == verdict
     assert found.assumed == ("load = 0.01 (0 .. 0.02)",)
+
+
+A = ("load", "weight")
+RANGES = {
+    "inside": ("0", "load*(4 - load) - 3", {"load": (1, 1, 3)}, "load = 2"),  # the ends give 0
+    "both at once": ("0", "load*weight", {"load": (0, 0, 1), "weight": (0, 0, 1)}, "weight = 1"),
+    "only together": ("5", "load + weight", {"load": (0, 0, 2), "weight": (0, 0, 3)}, "load = 2"),
+    "a slip elsewhere": ("132", "load", {"load": (150, 150, 154)}, "misprint with load = 152"),
+    "no slip elsewhere": ("132", "load", {"load": (152, 150, 154)}, "inconsistent with load = 150"),
+    "right elsewhere": ("132", "load", {"load": (152, 130, 154)}, "confirmed with load = 13"),
+    "rounding elsewhere": ("3.1", "load*near", {"load": (1, 1, 2)}, "confirmed with load = 1.03"),
+}
+
+
+@pytest.mark.parametrize("name", RANGES)
+def test_no_admissible_value_escapes(paper: Paper, name: str) -> None:
+    text, by, ranges, why = RANGES[name]
+    paper.symbol("weight", "1")
+    paper.symbol("near", "1", known=printed("3"))
+    paper.symbol("seen", "1", known=printed("152"))
+    given = {name: assumed(*values) for name, values in ranges.items()}
+    found = judged(paper, text, "1", by=by, given=given, also={"seen": "seen"})
+    assert (found.verdict, why in found.note) == ("assumed", True), found
+    assert len(found.assumed) == len(ranges)
+
+
+def test_a_count_is_whole_in_every_witness(paper: Paper) -> None:
+    cube = "load*(load - 1)*(load - 2)*(load - 3)"
+    for n, (text, by, load, verdict) in enumerate((
+        ("3.5", "load", assumed(2, 1, 9, whole=True), "inconsistent"),
+        ("3.5", "load", assumed(2, 1, 9), "assumed"),
+        ("7", "load", assumed(2, 1, 9, whole=True), "assumed"),
+        ("0", cube, assumed(1, 0, 3, whole=True), "confirmed"),
+        ("0", cube, assumed(1, 0, 3), "assumed"),
+        ("3.5", "load", unknown(1, 9, whole=True), "inconsistent"),
+        ("3.5", "load", unknown(1, 9), "not derivable"),
+    )):  # fmt: skip
+        found = paper.figure(f"count{n}", text, "1", where="", by=by, given={"load": load}).judged
+        assert found.verdict == verdict, (text, found)
+    for low, value in (("0.5", 1), ("0", "1.5")):
+        with pytest.raises(AuditError, match="count"):
+            assumed(value, low, 3, whole=True)
+
+
+def test_a_range_and_an_assumed_input_are_looked_at_together(paper: Paper) -> None:
+    paper.symbol("wide", "1", known=unknown(-1, 1))
+    given = {"load": assumed(0, 0, 2)}
+    found = judged(paper, "0", "1", by="load*wide", given=given)
+    assert (found.verdict, "not derivable with load = 2" in found.note) == ("assumed", True), found
+    far = paper.figure(
+        "far", "132", "1", where="", by="152 + wide", also={"seen": "load"}, given={"load": derived(152)}
+    )
+    assert far.judged.verdict == "inconsistent"  # not a misprint of 152, which only some values of it give
+
+
+def test_rounding_lasts_for_all_admissible_values_or_is_assumed(paper: Paper) -> None:
+    paper.symbol("near", "1", known=printed("3"))
+    for name, high, verdict in (("narrow", "1.01", "rounding"), ("wide", "1.5", "assumed")):
+        given = {"load": assumed(1, 1, high)}
+        found = paper.figure(name, "3.1", "1", where="", by="load*near", given=given).judged
+        assert found.verdict == verdict, found
+
+
+def test_what_boxes_cannot_decide_is_not_derivable(paper: Paper) -> None:
+    def leap(x: Any) -> Any:
+        """Whole tens, with a leap at each whole number."""
+        low, high = (x.low, x.high) if isinstance(x, Span) else (x, x)
+        return Span(low // 1 * 10, high // 1 * 10)
+
+    given = {"x": derived("1.9", "1", "2.5")}
+    found = judged(paper, "15", "1", by=leap, given=given)
+    assert (found.verdict, found.note[:12]) == ("not derivable", "not decided:")
+
+
+def test_what_a_function_rests_on_is_told(paper: Paper) -> None:
+    def twice(x: Any) -> Any:
+        """Twice."""
+        return 2 * x
+
+    given = {"x": derived(3, rests_on=["the words of the matrix = reference"])}
+    entry = paper.figure("twice", "6", "1", where="", by=twice, given=given).evaluate()
+    assert (entry["verdict"], entry["assumed"]) == ("confirmed", ["the words of the matrix = reference"])
+    assert entry["inputs"] == ["x = 3 [D], resting on the words of the matrix = reference [A]"]
+    assert (
+        paper.figure("formula", "5", "s", where="", by="4*T + 1*T").evaluate()["inputs"][-1] == "4 in the relation [D]"
+    )
 
 
 def test_a_function_may_be_the_relation(paper: Paper) -> None:

@@ -9,7 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from safety.audit import AuditError, Figure, Paper, Span, printed, sqrt
-from safety.audit.reach import find
+from safety.audit.exceptions import Undecided
+from safety.audit.reach import escapes, find
 from safety.audit.text import text
 from tests.apart import kept
 
@@ -56,6 +57,38 @@ def test_a_target_of_no_width_is_crossed() -> None:
     box, start = {"x": Span(1, 2)}, {"x": Span(1)}
     point = find(lambda at: at["x"] * at["x"] - 2, box, start, Span(0))
     assert point is not None and abs(point["x"] ** 2 - 2) < Fraction(1, 10**20)
+
+
+def test_a_leap_is_not_crossed() -> None:
+    def leap(at: Any) -> Span:
+        return Span(at["x"].low // 1, at["x"].high // 1)
+
+    box, start = {"x": Span(0, 3)}, {"x": Span(0)}
+    for target in (Span(Fraction(3, 2)), Span(Fraction(5, 4), Fraction(7, 4))):
+        with pytest.raises(Undecided, match="stays open"):
+            find(leap, box, start, target)
+
+
+@settings(max_examples=60)
+@given(st.sampled_from(FUNCTIONS), RANGES, st.integers(-3, 3), st.integers(0, 4), RANGES)
+def test_with_counts_a_yes_is_whole_and_a_no_survives_all(function: Any, x: Span, y: int, n: int, target: Span) -> None:
+    box, whole = {"x": x, "y": Span(y, y + n)}, frozenset("y")
+    start = {"x": Span(x.middle), "y": Span(y)}
+    wide = Span(target.low, target.high + Fraction(1, 100))
+    for ask, inside in ((find, True), (escapes, False)):
+        try:
+            point = ask(function, box, start, wide, whole)
+        except AuditError:
+            continue
+        if point is not None:
+            found = {name: Span(point.get(name, start[name].low)) for name in box}
+            assert all(found[name].within(box[name]) for name in box) and found["y"].low.denominator == 1
+            assert function(found).within(wide) is inside
+            continue
+        for count in range(y, y + n + 1):
+            for share in (Fraction(0), Fraction(1, 3), Fraction(1)):
+                at = {"x": Span(x.low + share * (x.high - x.low)), "y": Span(count)}
+                assert function(at).within(wide) is not inside
 
 
 @settings(max_examples=40)

@@ -15,6 +15,8 @@ from safety.audit.text import DOUBLED, EXCHANGED, LOST, POINT, REPLACED, shown, 
     [
         ("0.56422", None, "0.564215", "0.564225"),
         ("132,791", None, "132790.5", "132791.5"),
+        ("1,234,567.8", None, "1234567.75", "1234567.85"),
+        ("7\u202f313", None, "7312.5", "7313.5"),
         ("0.50", None, "0.495", "0.505"),
         ("30 000", 1, "25000", "35000"),
         ("30 000", 5, "29999.5", "30000.5"),
@@ -28,7 +30,14 @@ def test_a_text_stands_for_what_rounds_to_it(printed: str, digits: int | None, l
     assert (span.low, span.high) == (Fraction(low), Fraction(high))
 
 
-@pytest.mark.parametrize(("printed", "digits"), [("about 3", None), ("", None), ("1.2.3", None), ("12", 3), ("12", 0)])
+@pytest.mark.parametrize(
+    ("printed", "digits"),
+    [
+        ("about 3", None), ("", None), ("1.2.3", None), ("12", 3), ("12", 0), ("0.00", 1), ("000", 1), ("0", 1),
+        ("1,5", None), ("0,235", None), ("12,", None), ("1,,2", None), ("1 2", None), ("1234,567", None),
+        ("1,234 567", None), ("12,3456", None), ("132.791,5", None), ("\u0661.5", None), ("1" * 60, None),
+    ],
+)  # fmt: skip
 def test_what_is_no_printed_number_is_refused(printed: str, digits: int | None) -> None:
     with pytest.raises(AuditError, match=r"no printed number|does not fit"):
         text(printed, digits)

@@ -41,25 +41,31 @@ def test_figures_are_listed(run: Run, figures: Path) -> None:
 
 def test_what_is_wrong_in_print_stands_first_and_fails_nothing(run: Run, figures: Path) -> None:
     called = run("audit", "--json", "out.json")
-    assert called.code == 0, called.err
+    assert called.code == 3, called.err  # the claim of counter.alarm was not run
     lines = called.out.splitlines()
-    assert [line.split()[0] for line in lines[1:-1]] == [
-        f"counter.{name}" for name in ("slip", "eq1", "slow", "alarm", "time")
+    assert [line.split()[0] for line in lines[1:-2]] == [
+        f"counter.{name}" for name in ("slip", "eq1", "slow", "time", "alarm")
     ]
     assert re.search(r"counter\.slip +0\.030 +0\.080 +s +misprint +one digit replaced", called.out)
     assert re.search(r"counter\.slow +88 +88 \[A\] +ms +assumed", called.out)
-    assert lines[-1] == "1 misprint, 1 inconsistent, 1 assumed, 1 not derivable, 1 confirmed"
+    assert lines[-2] == "1 misprint, 1 inconsistent, 1 assumed, 1 confirmed"
+    assert lines[-1] == "1 not run: `rightside verify`, or `rightside prove -k counter.alarm_at_twelve`"
+    assert re.search(r"NOT JUDGED +counter\.alarm +not run: .*prove -k", called.err)
     entries = {entry["id"]: entry for entry in document(figures.parents[1] / "out.json")["figures"]}
     slip = entries["counter.slip"]
+    assert entries["counter.alarm"]["verdict"] is None
     assert entries["counter.time"]["value"] == {"value": 80.0, "exact": "80"}
     assert (slip["paper"], slip["printed"], slip["mended"], slip["how"]) == (TITLE, "0.030", "0.080", "T")
     assert slip["inputs"] == ["limit = 8 [D]", "pulse = 10 [P]"]
 
 
 def test_the_verdict_of_a_claim_decides_words_once_it_is_there(run: Run, figures: Path) -> None:
-    assert "has no verdict here yet" in run("audit", "-k", "alarm").out
+    first = run("audit", "-k", "alarm")
+    assert (first.code, "not run: `rightside verify`" in first.out) == (3, True)
     run("prove", "-k", "alarm_at_twelve and not fault")
-    assert re.search(r"counter\.alarm .* confirmed", run("audit", "-k", "alarm").out)
+    second = run("audit", "-k", "alarm")
+    assert re.search(r"counter\.alarm .* confirmed", second.out) and second.code == 0
+    assert re.search(r"CONFIRMED +counter\.alarm", second.err) and "NOT JUDGED" not in second.err
     run("verify", "-k", "alarm", "--json", "out.json", "--no-cache")
     (entry,) = document(figures.parents[1] / "out.json")["figures"]
     assert (entry["verdict"], entry["recomputed"]) == ("confirmed", "counter.alarm_at_twelve is proved")

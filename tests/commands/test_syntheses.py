@@ -92,7 +92,26 @@ def test_replay_runs_it_at_the_refuted_value(run: Run, late: Path) -> None:
     assert called.code == 1 and "NOT reproduced" in called.err
 
 
-def test_other_parameters_can_be_set(run: Run, late: Path) -> None:
+def test_what_is_looked_for_cannot_be_set(run: Run, late: Path) -> None:
     called = run("prove", "-k", "nine", "--set", "limit=20")
     assert called.code == 2 and "4..12" in called.err
-    assert run("prove", "-k", "nine", "--set", "limit=12").code == 0
+    called = run("prove", "-k", "nine", "--set", "limit=12")
+    assert called.code == 2
+    assert "proofs/late.py:8: late.alarm_at_nine: limit = 12 is set, but it is left open here" in called.err
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ("within=(4, 12)", "within=(4, 15)", "within=(4, 15), but limit lies in 4..12"),
+        ("within=(4, 12)", "given=lambda s: s.limit <= 6, within=(4, 12)", "what is given leaves out limit 12"),
+        ("within=(4, 12)", 'settings={"limit": 5}, within=(4, 12)', "limit = 5 is set, but it is left open here"),
+    ],
+)
+def test_a_search_that_would_mislead_is_refused_at_its_line(
+    run: Run, late: Path, old: str, new: str, words: str
+) -> None:
+    put(late, "proofs/late.py", SYNTHESES.replace(old, new))
+    called = run("prove", "-k", "nine")
+    assert called.code == 2 and "proofs/late.py:8: late.alarm_at_nine:" in called.err
+    assert words in called.err

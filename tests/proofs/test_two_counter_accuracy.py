@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from fractions import Fraction
-from functools import partial
 from typing import Any
 
 import pytest
@@ -24,7 +23,13 @@ from models.two_counter.numbers import (
     scale_speed,
     threshold_hz,
 )
-from models.two_counter.theory import acceleration_for, static_error_exact, time_to_read_out, worst_excess
+from models.two_counter.theory import (
+    acceleration_for,
+    oscillator_error_for,
+    static_error_exact,
+    time_to_read_out,
+    worst_excess,
+)
 from proofs import (
     two_counter_accuracy,
     two_counter_comparison,
@@ -32,7 +37,16 @@ from proofs import (
     two_counter_plots,
     two_counter_tables,
 )
-from proofs.two_counter_accuracy import ALLOWED, LEAST, SAFE_RISE, TOO_STEEP, excess
+from proofs.two_counter_accuracy import (
+    ALLOWED,
+    CRYSTAL,
+    LEAST,
+    SAFE_ERROR,
+    SAFE_RISE,
+    TOO_FAST,
+    TOO_STEEP,
+    excess,
+)
 from safety import PROVED, REFUTED, run
 from safety.exhibits import declared as exhibits
 from safety.prove.bounds import bracket, check
@@ -56,8 +70,8 @@ def test_each_proved_bound_has_a_twin_that_fails_and_all_are_as_asked() -> None:
     claims = [claim for claim in declared() if claim.module == two_counter_accuracy.__name__]
     limited = [claim for claim in claims if claim.limit is not None]
     proved = {claim.id for claim in limited if claim.expect == PROVED}
-    assert len(proved) == 9 and proved == {claim.twin_of for claim in limited if claim.expect == REFUTED}
-    assert [standing("claims", claim.evaluate(20.0)).code for claim in claims] == [0] * 21
+    assert len(proved) == 12 and proved == {claim.twin_of for claim in limited if claim.expect == REFUTED}
+    assert [standing("claims", claim.evaluate(20.0)).code for claim in claims] == [0] * 28
     assert {claim.bound.requirement for claim in claims} == {"TC-5"}
 
 
@@ -85,6 +99,37 @@ def test_the_rise_at_which_a_quarter_percent_fails() -> None:
     found = bracket(claim.bound, claim.width)
     assert found.low is not None and found.high is not None
     assert found.low <= 1 / exact <= found.high
+
+
+def with_error(ppm: int) -> Fraction:
+    """The closed form with an oscillator so much off, at 250 km/h and 1 km/h/s."""
+    return worst_excess(pulses(250), N1F, COUNTING_S, HZ_PER_KMH, 1, ppm).middle
+
+
+def test_the_oscillator_error_at_which_a_quarter_percent_fails() -> None:
+    exact = oscillator_error_for(ALLOWED, pulses(250), N1F, COUNTING_S, HZ_PER_KMH, 1).middle
+    assert SAFE_ERROR < exact < TOO_FAST == SAFE_ERROR + 1
+    (claim,) = (c for c in declared() if c.id == "two_counter_accuracy.least_oscillator_error_that_fails")
+    found = bracket(claim.bound, claim.width)
+    assert found.low is not None and found.high is not None
+    assert found.low <= 1 / (1 + exact / 1_000_000) <= found.high
+    assert with_error(CRYSTAL) < with_error(SAFE_ERROR) < ALLOWED < with_error(TOO_FAST)
+
+
+@pytest.mark.parametrize("ppm", [CRYSTAL, SAFE_ERROR, TOO_FAST])
+def test_worst_ride_with_an_oscillator_that_is_off(ppm: int) -> None:
+    """The model with the error set comes as near to the supremum, on the same side of 0.25 %."""
+    run_to = worst_ride(250, error=ppm).excess
+    assert 0 <= with_error(ppm) - run_to < TINY
+    assert (run_to > ALLOWED) is (ppm == TOO_FAST)
+    found = check(excess(250, ppm=ppm), ALLOWED)
+    assert found.verdict == (REFUTED if ppm == TOO_FAST else PROVED)
+
+
+def test_every_bound_says_what_it_takes_for_exact() -> None:
+    for claim in (c for c in declared() if c.module == two_counter_accuracy.__name__ and "excess" in c.id):
+        assert "oscillator" in claim.statement and any("oscillator" in each for each in claim.bound.assumed)
+        assert two_counter_accuracy.WHEEL in claim.bound.assumed
 
 
 def test_a_supremum_with_a_pulse_less_would_be_refuted(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -130,7 +175,10 @@ def test_p20_no_start_and_no_phase_does_worse_than_the_supremum() -> None:
 
 @pytest.mark.parametrize("edges", [1033, 1037])
 def test_another_preset_than_the_theory_has_is_seen(monkeypatch: pytest.MonkeyPatch, edges: int) -> None:
-    monkeypatch.setattr(experiments, "run", partial(run, settings={"m250": edges}))
+    def changed(*args: Any, settings: dict[str, Any], **more: Any) -> Any:
+        return run(*args, settings={**settings, "m250": edges}, **more)
+
+    monkeypatch.setattr(experiments, "run", changed)
     with pytest.raises(ValueError, match="not the last safe one"):
         worst_ride(250)
 
@@ -182,6 +230,18 @@ def test_tables_are_as_asked_and_name_the_misprints() -> None:
     assert [one["as_expected"] for one in tables] == [True] * 6
     expected = {no for one in made for no in one.says_no}
     assert {"250: eighth agrees", "30: theory agrees", "5: measured agrees", "(7): agree", "(18): agree"} <= expected
+
+
+def test_a_wrong_optimum_crossing_or_time_is_a_no(monkeypatch: pytest.MonkeyPatch) -> None:
+    share, by_hand = two_counter_plots.SHARES[0], two_counter_plots.OPTIMA[0]
+    assert False not in two_counter_plots.figure_4_row(share, by_hand)
+    assert False in two_counter_plots.figure_4_row(share, ("801", "3840"))
+    monkeypatch.setattr(two_counter_plots, "crossing", lambda *_: Fraction(2001))
+    assert False in two_counter_plots.figure_4_row(share, by_hand)
+    late = time_to_read_out(pulses(250), COUNTING_S, HZ_PER_KMH, 1).scaled(1, Fraction(1, 1000))
+    assert False not in two_counter_tables.dynamic_row(DYNAMIC[0])
+    monkeypatch.setattr(two_counter_tables, "time_to_read_out", lambda *_: late)
+    assert False in two_counter_tables.dynamic_row(DYNAMIC[0])
 
 
 # --- the circuit's part ----------------------------------------------------------------------------------------------

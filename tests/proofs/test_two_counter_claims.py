@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from fractions import Fraction
+from math import ceil
 
 import pytest
 
@@ -18,13 +20,14 @@ from proofs import (
     two_counter_refinement,
     two_counter_response,
 )
-from proofs.two_counter_formulas import ROWS, greatest_permitted, least_too_fast
-from safety import PROVED, REFUTED
+from proofs.two_counter_formulas import ROWS, greatest_permitted, least_too_fast, limit_of_release, line
+from safety import PROVED, REFUTED, Scenario
 from safety.prove.claims import Claim
 from safety.prove.induction import by_induction
 from safety.prove.problem import build_problem
 from safety.prove.prove import prove
 from safety.prove.search import scripted
+from safety.system import ModelError
 from tests.proofs.verdicts import OWN_LEMMAS, check, claims_of, of
 
 MODULES = (
@@ -33,6 +36,7 @@ MODULES = (
 )  # fmt: skip
 CLAIMS = {name: claim for module in MODULES for name, claim in claims_of(module).items()}
 PERIOD = COUNTING_S / N1F  # s
+SEEN = ["claim.holds", "claim.premise", "claim.given"]
 
 
 @pytest.mark.parametrize("claim", CLAIMS.values(), ids=list(CLAIMS))
@@ -99,6 +103,36 @@ def test_the_literal_runs_release_at_twenty_five_times_the_limit() -> None:
         assert run is not None
         assert not run["brake"][-1] and run["speed"][-1] == 800_000
         assert max(run["circuit.counter1.n"]) < N1F
+
+
+def rounded(speed: Fraction, start: Fraction) -> Callable[[int], int]:
+    """The steps of a train at a constant speed that is no whole number, `start` turned at power-up."""
+    return lambda k: ceil(start + speed * (k + 1)) - ceil(start + speed * k)
+
+
+@pytest.mark.parametrize("v", [250, 5])
+@pytest.mark.parametrize("start", [Fraction(1), Fraction(123_457, 7), Fraction(999_999, 2)])
+def test_speeds_between_two_units_are_in_the_premise(v: int, start: Fraction) -> None:
+    """Just at the limit, where single steps are below the next unit; a thousandth of a unit slower is out of it."""
+    claim, limit = CLAIMS["no_release_on_overspeed"], limit_of_release(ROWS[v])
+    for speed, inside in ((limit, True), (limit - Fraction(1, 1000), False)):
+        steps = rounded(speed, start)
+        assert min(steps(k) for k in range(2600)) < least_too_fast(ROWS[v])
+        run = Scenario(2600, {**line(v), "speed": steps}, {"train.phase": ceil(start) - 1})
+        found = scripted(build_problem(claim), run, keep=SEEN)
+        assert any(found["claim.premise"]) is inside and all(found["claim.holds"])
+
+
+def test_a_train_that_is_never_slower_is_never_behind() -> None:
+    """Of two speeds between the same two units the lesser one has the greater step now and then."""
+    a, b = (rounded(500_000 + Fraction(tenths, 10), Fraction(8)) for tenths in (4, 6))
+    assert any(a(k) > b(k) for k in range(50))
+    claim = CLAIMS["of_two_windows_the_faster_is_judged_no_better"]
+    run = replace(two_counter_monotone.both_too_fast(), inputs={**line(250), "speed_a": a, "speed_b": b})
+    assert all(scripted(build_problem(claim), run, keep=SEEN)["claim.given"])
+    exchanged = replace(run, inputs={**line(250), "speed_a": b, "speed_b": a})
+    with pytest.raises(ModelError, match="breaks an assumption"):
+        scripted(build_problem(claim), exchanged, keep=SEEN)
 
 
 def test_equation_4_parts_from_the_circuit_at_n1f_only() -> None:

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from models.two_counter import STEP_S
+from models.two_counter import step_s
 from models.two_counter.circuit import Circuit, CommandMemory, Counter1, Counter2
 from models.two_counter.equipment import Equipment
 from models.two_counter.failures import component_faults
@@ -37,111 +37,111 @@ SLOWER = steadily(250, PERMITTED * 9 // 10, 5000)
 def with_circuit(of: type[Circuit]) -> type[Equipment]:
     """The equipment with another circuit."""
 
-    class Changed(Equipment, tick_s=STEP_S):
+    class Changed(Equipment, tick_s=step_s):
         circuit: of  # type: ignore[valid-type]
 
     return Changed
 
 
 def with_counter2(of: type[Counter2]) -> type[Equipment]:
-    class Changed(Circuit, tick_s=STEP_S):
+    class Changed(Circuit, tick_s=step_s):
         counter2: of  # type: ignore[valid-type]
 
     return with_circuit(Changed)
 
 
-class OneTooLate(Counter2, tick_s=STEP_S):
+class OneTooLate(Counter2, tick_s=step_s):
     def reached(self, counted: UInt, preset: UInt) -> Bit:
         return counted > preset
 
 
-class OneTooSoon(Counter2, tick_s=STEP_S):
+class OneTooSoon(Counter2, tick_s=step_s):
     def reached(self, counted: UInt, preset: UInt) -> Bit:
         return counted + 1 >= preset
 
 
-class ThreeInTen(Counter2, tick_s=STEP_S):
+class ThreeInTen(Counter2, tick_s=step_s):
     """The stage of 128 is not decoded."""
 
     def reached(self, counted: UInt, preset: UInt) -> Bit:
         return (counted & 0b11101111111) >= (preset & 0b11101111111)
 
 
-class Crossed(Circuit, tick_s=STEP_S):
+class Crossed(Circuit, tick_s=step_s):
     def of_ff2(self, and2: Bit, and3: Bit) -> tuple[Bit, Bit]:
         return and3, and2
 
 
-class OnlyReset(Circuit, tick_s=STEP_S):
+class OnlyReset(Circuit, tick_s=step_s):
     def of_ff2(self, and2: Bit, and3: Bit) -> tuple[Bit, Bit]:
         return bit(False), and3
 
 
-class NeverReset(Circuit, tick_s=STEP_S):
+class NeverReset(Circuit, tick_s=step_s):
     def of_ff6(self, enough: Bit, signal2: Bit) -> tuple[Bit, Bit]:
         return enough, bit(False)
 
 
-class NeverEnough(Circuit, tick_s=STEP_S):
+class NeverEnough(Circuit, tick_s=step_s):
     def of_ff6(self, enough: Bit, signal2: Bit) -> tuple[Bit, Bit]:
         return bit(False), signal2
 
 
-class NotStrobed(Circuit, tick_s=STEP_S):
+class NotStrobed(Circuit, tick_s=step_s):
     def strobed(self, name: str, opened: Bit, read_out: Bit) -> Bit:
         return point(name, opened)
 
 
-class Energised(Circuit, tick_s=STEP_S):
+class Energised(Circuit, tick_s=step_s):
     def energised(self, brake: Bit) -> Bit:
         return brake
 
 
-class ReleasedAtPowerUp(CommandMemory, tick_s=STEP_S):
+class ReleasedAtPowerUp(CommandMemory, tick_s=step_s):
     on: Bit = power_up(False)
 
 
-class StartsReleased(Circuit, tick_s=STEP_S):
+class StartsReleased(Circuit, tick_s=step_s):
     ff2: ReleasedAtPowerUp
 
 
-class OnePulseMore(Counter1, tick_s=STEP_S):
+class OnePulseMore(Counter1, tick_s=step_s):
     def step(self, pulses: PulseCount, reset: Bit) -> tuple[Counter1, Bit]:
         before = select(reset, 0, self.n)
         n = (before + pulses).low(11)
         return type(self)(n=n), (pulses > 0) & (n > self.n1f)
 
 
-class OnePulseFewer(Counter1, tick_s=STEP_S):
+class OnePulseFewer(Counter1, tick_s=step_s):
     def step(self, pulses: PulseCount, reset: Bit) -> tuple[Counter1, Bit]:
         before = select(reset, 0, self.n)
         n = (before + pulses).low(11)
         return type(self)(n=n), (pulses > 0) & (n >= self.n1f - 1)
 
 
-class NeedsMore(Circuit, tick_s=STEP_S):
+class NeedsMore(Circuit, tick_s=step_s):
     counter1: OnePulseMore
 
 
-class NeedsFewer(Circuit, tick_s=STEP_S):
+class NeedsFewer(Circuit, tick_s=step_s):
     counter1: OnePulseFewer
 
 
-class HighestForNone(Selection, tick_s=STEP_S):
+class HighestForNone(Selection, tick_s=step_s):
     def none_selected(self) -> UInt:
         return self.m250
 
 
-class NoneIsFastest(Equipment, tick_s=STEP_S):
+class NoneIsFastest(Equipment, tick_s=step_s):
     selection: HighestForNone
 
 
-class Silent(Oscillator, tick_s=STEP_S):
+class Silent(Oscillator, tick_s=step_s):
     def step(self) -> tuple[Oscillator, PulseCount]:
         return type(self)(), point("f1", bit(False)).word().int().clip(0, 2)
 
 
-class WithoutOscillator(Equipment, tick_s=STEP_S):
+class WithoutOscillator(Equipment, tick_s=step_s):
     oscillator: Silent
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import replace
 from fractions import Fraction
 from typing import Any
@@ -13,9 +12,8 @@ import pytest
 from safety import PROVED, Bit, Model, ModelError, Scenario, Seen, UInt, implies, parameter, power_up, select
 from safety import U4 as Small
 from safety.prove import weakest as weak
-from safety.prove.bounds import Bound, between, reals
 from safety.prove.outcome import Limits
-from safety.prove.weakest import ABOVE, BELOW, Synthesis, weakest, weakest_of, weakest_real
+from safety.prove.weakest import ABOVE, BELOW, Synthesis, weakest, weakest_of
 from safety.prove.weakest_found import Found
 from safety.prove.weakest_search import find
 from safety.report.schema import Document
@@ -34,14 +32,6 @@ class Tank(Model, event="tick"):
     def step(self, fill: Bit) -> tuple[Tank, UInt]:
         full = self.level >= self.limit
         return Tank(level=select(full, 0, select(fill, (self.level + 1).low(4), self.level))), self.level
-
-
-@pytest.fixture(autouse=True)
-def alone() -> Iterator[None]:
-    kept = dict(weak._registry)
-    yield
-    weak._registry.clear()
-    weak._registry.update(kept)
 
 
 def last() -> Synthesis:
@@ -151,38 +141,105 @@ def test_a_family_that_does_not_cover_is_refused(family: Any, within: tuple[int,
         find(last(), QUICK)
 
 
+def never_above(n: int) -> Any:
+    """Below 4 no run keeps what is given."""
+    return asked(
+        lambda s: s.n <= 15, id="test.empty", given=lambda s: s.n.int() <= n - 4, anywhere=True, lemmas=(wide,)
+    )
+
+
+def never_high(n: int) -> Any:
+    """Below 4 the premise is never met."""
+    return asked(lambda s: implies(s.n >= 4, s.n <= 15), id="test.empty", given=lambda s: s.n <= n, lemmas=(wide,),
+                 anywhere=True)  # fmt: skip
+
+
+def wide(s: Seen) -> Bit:
+    return s.n <= 15
+
+
+@pytest.mark.parametrize("family", [never_above, never_high])
+def test_a_claim_that_says_nothing_is_not_covered_by_one_that_does(family: Any) -> None:
+    weakest_of("n", safe=BELOW, within=(0, 9), covers=True, id="test.empty")(family)
+    with pytest.raises(ModelError, match=r"the claim of [0-3] says nothing, so it is not shown to be safe"):
+        find(last(), QUICK)
+    weakest_of("n", safe=BELOW, within=(4, 9), covers=True, id="test.empty")(family)
+    assert find(last(), QUICK).everywhere
+
+
 def test_too_many_values_to_be_proved_one_by_one_are_refused() -> None:
     with pytest.raises(ModelError, match="each of these values is looked at: shorten the range"):
         weakest_of("n", safe=ABOVE, within=(1, 5000), id="test.holes")(holes)
 
 
-def square(limit: int = 2, gap: Fraction = Fraction(1, 1000), within: tuple[int, int] = (0, 3)) -> Found:
-    (x,) = reals("x")
-    bound = Bound("square", "x squared", x * x, (between(0, x, 3),))
-    return find(weakest_real(bound, limit, x, safe=BELOW, within=within, gap=gap, id="test.square"), QUICK)
+def other_type(n: int) -> Any:
+    """Makes no claim."""
+    return f"claim of {n}"
 
 
-def test_a_real_parameter_is_bracketed() -> None:
-    found = square()
-    assert isinstance(found.safe_from, Fraction)
-    assert isinstance(found.refuted_at, Fraction)
-    assert found.safe_from**2 <= 2 < found.refuted_at**2
-    assert found.settled
-    assert not found.exact
-    assert found.refuted_at - found.safe_from <= Fraction(1, 1000)
-    assert len(found.proof.agreed_by) == 2
-    entry = found.to_json()
-    assert entry["safe_from"] == {"value": float(found.safe_from), "exact": str(found.safe_from)}
+@pytest.mark.parametrize(
+    ("family", "within", "words"),
+    [
+        (other_type, (1, 5), "test.bad makes 'claim of 1' of 1; return a Claim"),
+        (lambda n: [][n], (1, 5), "test.bad makes no claim of 1: IndexError: list index out of range"),
+        (other_given, (1.5, 4.5), r"test.bad: within=\(1.5, 4.5\); its two ends are whole numbers"),
+    ],
+)
+def test_a_family_that_makes_no_claims_is_refused(family: Any, within: Any, words: str) -> None:
+    with pytest.raises(ModelError, match=words):
+        weakest_of("n", safe=BELOW, within=within, id="test.bad")(family)
 
 
-@pytest.mark.parametrize(("limit", "code"), [(9, 0), (-1, 1)])
-def test_a_real_parameter_may_be_safe_all_over_or_nowhere(limit: int, code: int) -> None:
-    assert standing("syntheses", square(limit).to_json()).code == code
+def small(s: Seen) -> Bit:
+    """The limit is six at most."""
+    return s.limit <= 6
 
 
-@pytest.mark.parametrize("found", [look, square])
-def test_an_entry_has_the_shape_of_the_results_document(found: Any) -> None:
-    entry = found().to_json()
+def not_nine(s: Seen) -> Bit:
+    """The limit is not nine."""
+    return s.limit != 9
+
+
+def holds_any(s: Seen) -> Bit:
+    """The tank holds twelve at most."""
+    return s.level <= 12
+
+
+@pytest.mark.parametrize(
+    ("given", "formula", "safe", "missing", "lemmas"),
+    [
+        (small, low, BELOW, 12, [within_limit]),
+        (small, low, BELOW, 12, []),
+        (small, holds_any, ABOVE, 12, [within_limit]),
+        (not_nine, holds_any, ABOVE, 9, [within_limit]),
+        (not_nine, holds_any, BELOW, 9, [within_limit]),
+    ],
+)
+def test_no_value_that_is_left_out_is_called_safe(
+    given: Any, formula: Any, safe: str, missing: int, lemmas: list[Any]
+) -> None:
+    with pytest.raises(ModelError, match=f"what is given leaves out limit {missing}, so nothing is proved of it"):
+        look(formula, given=given, safe=safe, lemmas=lemmas)
+
+
+def test_where_the_safe_end_is_left_out_nothing_is_proved() -> None:
+    found = look(holds_any, given=small, safe=ABOVE, lemmas=[])
+    assert (found.safe_from, found.refuted_at) == (None, None)
+    assert "no run starts" in found.why
+
+
+def as_full(s: Seen) -> Bit:
+    """It starts full or one litre above."""
+    return (s.level == s.limit) | (s.level == s.limit + 1)
+
+
+def test_each_value_may_be_possible_in_a_way_of_its_own() -> None:
+    found = look(holds_any, start=as_full, given=lambda s: s.level <= 12, anywhere=True, lemmas=[])
+    assert found.everywhere
+
+
+def test_an_entry_has_the_shape_of_the_results_document() -> None:
+    entry = look().to_json()
     msgspec.convert({"schema": "rightside/1", "syntheses": [entry]}, Document)
 
 
@@ -193,6 +250,15 @@ def test_an_entry_has_the_shape_of_the_results_document(found: Any) -> None:
         ({"safe": "left"}, "safe='left'; it is ABOVE or BELOW"),
         ({"gap": 0}, "a whole number from 1 up"),
         ({"gap": Fraction(1, 2)}, "a whole number from 1 up"),
+        ({"gap": "1"}, "a whole number from 1 up"),
+        ({"within": (1.5, 7.5)}, "its two ends are whole numbers"),
+        ({"within": ("1", "7")}, "its two ends are whole numbers"),
+        ({"within": (False, 7)}, "its two ends are whole numbers"),
+        ({"within": 7}, "its two ends are whole numbers"),
+        ({"within": (1, 40)}, r"within=\(1, 40\), but limit lies in 1..12 litre"),
+        ({"within": (-3, 12)}, r"within=\(-3, 12\), but limit lies in 1..12 litre"),
+        ({"settings": {"limit": 3}}, "limit = 3 is set, but it is left open here"),
+        ({"settings": {"limit": 99}}, "limit = 99 is set, but it is left open here"),
         ({"formula": lambda s: s.level <= 7}, "tank.limit says nothing: give it a docstring"),
     ],
 )
@@ -205,6 +271,22 @@ def test_a_parameter_that_is_none_is_refused() -> None:
     weakest(Tank, "limt", safe=BELOW, within=(1, 12), id="tank.limit")(low)
     with pytest.raises(ModelError, match="did you mean limit"):
         find(last(), QUICK)
+
+
+@pytest.mark.parametrize("value", [3, 99])
+def test_what_is_left_open_or_held_cannot_be_set(value: int) -> None:
+    weakest(Tank, "limit", safe=BELOW, within=(1, 12), id="tank.limit", lemmas=[within_limit])(low)
+    with pytest.raises(ModelError, match=f"tank.limit: limit = {value} is set, but it is left open here"):
+        find(last(), QUICK, settings={"limit": value})
+
+    def held(n: int) -> Any:
+        """The tank never holds more than its limit."""
+        return asked(lambda s: s.level <= n, Tank, id="test.held", settings={"limit": n})
+
+    weakest_of("limit", safe=ABOVE, within=(4, 6), id="test.held")(held)
+    assert find(last(), QUICK).everywhere
+    with pytest.raises(ModelError, match=f"test.held: limit = {value} is set, but it is held here"):
+        find(last(), QUICK, settings={"limit": value})
 
 
 def test_the_verdict_comes_from_the_one_who_is_asked() -> None:

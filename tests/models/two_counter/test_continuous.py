@@ -113,9 +113,9 @@ def test_the_ideal_machine_decides_the_same() -> None:
 
 
 def test_the_step_is_a_two_thousandth_of_the_counting_time() -> None:
-    from models.two_counter import STEP_S
+    from models.two_counter import step_s
 
-    assert Fraction(STEP_S) == TC / 2000
+    assert step_s() == TC / 2000 and step_s(2047) == TC / 2047 and step_s(error=10_000) == TC / 2020
 
 
 @pytest.mark.slow
