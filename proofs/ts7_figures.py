@@ -15,7 +15,6 @@ parts "%" cannot be derived.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 from datetime import date
 from fractions import Fraction
 from functools import cache
@@ -25,6 +24,7 @@ from models.ts7.channel import ChannelData
 from models.ts7.numbers import CHECK_WORD, WORD
 from proofs.ts7_campaign import ring_single_stuck
 from safety.audit import Known, Paper, assumed, derived, printed, reconstructed
+from safety.inject.campaign import changed
 
 paper = Paper("ts7", "ATC Equipment for Sobu Subway Line Cars (1972)")
 
@@ -191,7 +191,7 @@ paper.decided("window.dead_check", "the fault is detected: a dead check word, wi
 @cache
 def campaign(signal: int = 65) -> dict[str, Any]:
     """What the campaign of all single stuck faults finds with the word of a signal; wrong side is above 67/65 of it."""
-    return replace(ring_single_stuck, constant={**ring_single_stuck.constant, "d0": WORD[signal]}).run()
+    return changed(ring_single_stuck, constant={**ring_single_stuck.constant, "d0": WORD[signal]}).run()
 
 
 def by_campaign(found: Callable[[dict[str, Any]], Fraction | int]) -> Callable[[], Known]:

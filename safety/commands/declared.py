@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 import os
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -33,7 +33,7 @@ class Declared:
 
 @functools.lru_cache(maxsize=8)
 def _load(declared: Declared, root: str) -> Campaign:
-    from safety.inject.campaign import register
+    from safety.inject.campaign import changed
 
     project = open_project(Path(root))
     project.load_proofs()
@@ -42,6 +42,4 @@ def _load(declared: Declared, root: str) -> Campaign:
         raise ProjectError(f"{root} declares no campaign {declared.campaign}: {why}")
     campaign = find(project.campaigns, declared.campaign)
     wanted = fitting(campaign.model, dict(declared.settings)) if isinstance(campaign.model, type) else {}
-    found = replace(campaign, settings={**campaign.settings, **wanted}, **dict(declared.changes))
-    register(campaign)  # what the files declare stays so: the next one may be wanted with other changes
-    return found
+    return changed(campaign, settings={**campaign.settings, **wanted}, **dict(declared.changes))

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -96,6 +96,8 @@ class Campaign:
 
     def __post_init__(self) -> None:
         caller = sys._getframe(2)
+        while caller.f_globals.get("__name__") == "dataclasses" and caller.f_back:  # made by `replace`
+            caller = caller.f_back
         self.module = self.module or caller.f_globals.get("__name__", "")
         self.place = caller.f_code.co_filename, caller.f_lineno  # where it is declared
         if self.target_coverage is not None:
@@ -296,6 +298,14 @@ def exact_share(value: Fraction | str, what: str) -> Fraction:
 
 
 _registry: dict[str, Campaign] = {}
+
+
+def changed(campaign: Campaign, **changes: Any) -> Campaign:
+    """The campaign with some fields changed, for a run beside it; what the files declare under its id stays so."""
+    other = replace(campaign, **changes)
+    other.place = campaign.place
+    register(campaign)
+    return other
 
 
 def register(campaign: Campaign) -> None:

@@ -21,11 +21,13 @@ from proofs import (
     ts7_window,
 )
 from proofs.ts7_campaign import ring_single_stuck
+from proofs.ts7_pairs_campaign import all_pairs
 from safety import PROVED, REFUTED
 from safety.audit import Figure, Known, Span, declared, entry
 from safety.audit.entry import Entry
 from safety.audit.text import text
 from safety.audit.verdict import ASSUMED, CONFIRMED, INCONSISTENT, NOT_DERIVABLE, ROUNDING, Judged
+from safety.inject import campaigns
 from safety.prove.bounds.claims import declared as bounds
 from safety.prove.claims import registered
 
@@ -268,3 +270,10 @@ def test_two_equations_that_are_wrong_are_refuted() -> None:
         for each in made:
             entry._declared.pop(each.id)
             paper.equations.pop(each.id.removeprefix("ts7_derived."))
+
+
+def test_the_campaign_with_another_word_leaves_the_declared_one_alone() -> None:
+    ts7_figures.campaign.__wrapped__(90)
+    kept = next(one for one in campaigns() if one.id == ring_single_stuck.id)
+    assert kept is ring_single_stuck and kept.place[0].endswith("ts7_campaign.py")
+    assert all_pairs.place[0].endswith("ts7_pairs_campaign.py")  # made by `replace`, declared where that stands
