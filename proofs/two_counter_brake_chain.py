@@ -14,12 +14,13 @@ One step is an oscillator period.  Source: property 4, at most 2 n2E + 5 pulses 
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from models.two_counter.circuit import READ_OUT, RESET, START
 from models.two_counter.numbers import N1F
 from proofs.two_counter_formulas import EDGE, Formula, least_too_fast, named
-from safety import Bit, Int, Seen, age, any_of, implies, new_fault, select
+from safety import Bit, Fault, Int, Seen, age, any_of, implies, new_fault, select, struck
 
 FULL = 2048  # edges after which counter 2 is at 0 again
 
@@ -27,6 +28,18 @@ FULL = 2048  # edges after which counter 2 is at 0 again
 def never(s: Seen) -> Bit:
     """No excuse."""
     return any_of()
+
+
+def excuse(faults: Sequence[Fault], singles: Iterable[str], pairs: Iterable[tuple[str, str]]) -> Formula:
+    """Of these faults one has struck after which overspeed need not brake, or a pair of which both are needed."""
+    names = {fault.name for fault in faults}
+    alone = [name for name in singles if name in names]
+    together = [pair for pair in pairs if names.issuperset(pair)]
+
+    def broken(s: Seen) -> Bit:
+        return any_of(*(struck(s, n) for n in alone), *(struck(s, a) & struck(s, b) for a, b in together))
+
+    return broken
 
 
 @dataclass(frozen=True)

@@ -24,8 +24,7 @@ from dataclasses import replace
 
 from models.two_counter.equipment import Equipment
 from models.two_counter.failures import component_faults
-from models.two_counter.selection import Lines
-from proofs.two_counter_brake_chain import Chain
+from proofs.two_counter_brake_chain import Chain, excuse
 from proofs.two_counter_formulas import Formula, named
 from proofs.two_counter_parts import INVENTED, component_rate
 from proofs.two_counter_rides import Ride
@@ -39,13 +38,10 @@ from safety import (
     Fault,
     Scenario,
     Seen,
-    any_of,
     at_most,
     claim,
     hazard,
     implies,
-    persists,
-    struck,
 )
 
 DEFEATS, FURTHER, SINGLES = defeats(1035), further(1035), singles(1035)
@@ -69,15 +65,7 @@ PAIRS = tuple(("preset bit 10 at 1", name) for name in LOWER)  # 1024 added to t
 
 def chain(faults: Sequence[Fault]) -> Chain:
     """The way to the brake where these faults may be."""
-    names = {fault.name for fault in faults}
-    excused = [name for name in (*SINGLES, "power off") if name in names]
-    together = [pair for pair in PAIRS if names.issuperset(pair)]
-    stranding = [name for name in ("counting gate at 0",) if name in names]
-
-    def broken(s: Seen) -> Bit:
-        return any_of(*(struck(s, n) for n in excused), *(struck(s, a) & struck(s, b) for a, b in together))
-
-    return Chain(1035, broken, lambda s: any_of(*(struck(s, name) for name in stranding)))
+    return Chain(1035, excuse(faults, (*SINGLES, "power off"), PAIRS), excuse(faults, ("counting gate at 0",), ()))
 
 
 def rates(faults: Sequence[Fault]) -> dict[str, tuple[str, str]]:
@@ -91,12 +79,7 @@ CHAIN, LINES = RIDE.chain, RIDE.lines
 
 def only_250(s: Seen) -> Bit:
     """The check speed 250 km/h is selected, and no other."""
-    return s.lines.s250 & ~any_of(*(s.lines[name] for name in Lines._fields if name != "s250"))
-
-
-def too_fast_too_long(s: Seen) -> Bit:
-    """Overspeed for the time that property 4 allows."""
-    return persists(CHAIN.overspeed(s), CHAIN.braked)
+    return RIDE.selected(s)
 
 
 @hazard(
@@ -106,14 +89,14 @@ def too_fast_too_long(s: Seen) -> Bit:
 )  # fmt: skip
 def overspeed_without_brake(s: Seen) -> Bit:
     """At 250 km/h, after a functional failure: overspeed for 4019 steps (0.626 s) and no brake."""
-    return too_fast_too_long(s) & ~s.brake
+    return RIDE.too_fast_too_long(s) & ~s.brake
 
 
 def with_fault(fault: Fault) -> Formula:
     """The claim that one component fault does no harm."""
 
     def formula(s: Seen) -> Bit:
-        return implies(too_fast_too_long(s), s.brake)
+        return implies(RIDE.too_fast_too_long(s), s.brake)
 
     formula.__doc__ = f"At 250 km/h, with {fault.name}, at any time, overspeed for 4019 steps (0.626 s) brakes."
     return named(brakes_with(fault), formula)
@@ -139,7 +122,7 @@ HARMLESS_STAGES = [
 )  # fmt: skip
 def brakes_with_a_stage_at_1(s: Seen) -> Bit:
     """At 250 km/h, with a stage of counter 1 stuck at 1, overspeed for 4019 steps (0.626 s) brakes."""
-    return implies(too_fast_too_long(s), s.brake)
+    return implies(RIDE.too_fast_too_long(s), s.brake)
 
 
 @hazard(
@@ -149,7 +132,7 @@ def brakes_with_a_stage_at_1(s: Seen) -> Bit:
 )  # fmt: skip
 def overspeed_without_brake_by_a_stage(s: Seen) -> Bit:
     """At 250 km/h, with stages of the counters stuck: overspeed for 4019 steps (0.626 s) and no brake."""
-    return too_fast_too_long(s) & ~s.brake
+    return RIDE.too_fast_too_long(s) & ~s.brake
 
 
 @hazard(
@@ -159,4 +142,4 @@ def overspeed_without_brake_by_a_stage(s: Seen) -> Bit:
 )  # fmt: skip
 def overspeed_without_brake_by_the_selection(s: Seen) -> Bit:
     """At 250 km/h, with lines or bits of the preset stuck: overspeed for 4019 steps (0.626 s) and no brake."""
-    return too_fast_too_long(s) & ~s.brake
+    return RIDE.too_fast_too_long(s) & ~s.brake

@@ -15,7 +15,7 @@ from collections.abc import Sequence
 
 from models.two_counter.equipment import Equipment
 from models.two_counter.selection import Lines
-from proofs.two_counter_brake_chain import Chain
+from proofs.two_counter_brake_chain import Chain, excuse
 from proofs.two_counter_formulas import Formula, named
 from proofs.two_counter_hazards import brakes_with, chosen, rates
 from proofs.two_counter_rides import Ride
@@ -27,13 +27,10 @@ from safety import (
     Fault,
     Scenario,
     Seen,
-    any_of,
     at_most,
     claim,
     hazard,
     implies,
-    persists,
-    struck,
 )
 
 RIDE = Ride(5)
@@ -49,24 +46,12 @@ FUNCTIONAL = chosen(lambda name: name not in LISTED)
 
 def lemmas(faults: Sequence[Fault]) -> list[Formula]:
     """The way to the brake where these faults may be."""
-    names = {fault.name for fault in faults}
-    excused = [name for name in (*SINGLES_AT_5, "power off") if name in names]
-    together = [pair for pair in PAIRS_AT_5 if names.issuperset(pair)]
-
-    def broken(s: Seen) -> Bit:
-        return any_of(*(struck(s, n) for n in excused), *(struck(s, a) & struck(s, b) for a, b in together))
-
-    return Chain(RIDE.m, broken).lemmas()
+    return Chain(RIDE.m, excuse(faults, (*SINGLES_AT_5, "power off"), PAIRS_AT_5)).lemmas()
 
 
 def only_5(s: Seen) -> Bit:
     """The check speed 5 km/h is selected, and no other."""
-    return s.lines.s5 & ~any_of(*(s.lines[name] for name in Lines._fields if name != "s5"))
-
-
-def too_fast_too_long(s: Seen) -> Bit:
-    """Overspeed for the time that property 4 allows."""
-    return persists(RIDE.chain.overspeed(s), RIDE.chain.braked)
+    return RIDE.selected(s)
 
 
 @hazard(
@@ -75,7 +60,7 @@ def too_fast_too_long(s: Seen) -> Bit:
 )  # fmt: skip
 def overspeed_without_brake_at_5(s: Seen) -> Bit:
     """At 5 km/h, after a functional failure: overspeed for 4350 steps (0.678 s) and no brake."""
-    return too_fast_too_long(s) & ~s.brake
+    return RIDE.too_fast_too_long(s) & ~s.brake
 
 
 @hazard(
@@ -84,7 +69,7 @@ def overspeed_without_brake_at_5(s: Seen) -> Bit:
 )  # fmt: skip
 def overspeed_without_brake_by_a_stage_at_5(s: Seen) -> Bit:
     """At 5 km/h, with stages of the counters stuck: overspeed for 4350 steps (0.678 s) and no brake."""
-    return too_fast_too_long(s) & ~s.brake
+    return RIDE.too_fast_too_long(s) & ~s.brake
 
 
 @hazard(
@@ -93,14 +78,14 @@ def overspeed_without_brake_by_a_stage_at_5(s: Seen) -> Bit:
 )  # fmt: skip
 def overspeed_without_brake_by_the_selection_at_5(s: Seen) -> Bit:
     """At 5 km/h, with lines or bits of the preset stuck: overspeed for 4350 steps (0.678 s) and no brake."""
-    return too_fast_too_long(s) & ~s.brake
+    return RIDE.too_fast_too_long(s) & ~s.brake
 
 
 def with_fault(fault: Fault) -> Formula:
     """The claim that one component fault does no harm."""
 
     def formula(s: Seen) -> Bit:
-        return implies(too_fast_too_long(s), s.brake)
+        return implies(RIDE.too_fast_too_long(s), s.brake)
 
     formula.__doc__ = f"At 5 km/h, with {fault.name}, at any time, overspeed for 4350 steps (0.678 s) brakes."
     return named(f"{brakes_with(fault)}_at_5", formula)
@@ -119,4 +104,4 @@ HARMLESS_AT_5 = [
        source="property 15 (l)", scenario=RIDE.scenarios(("counter 1: stage 9 at 1",))[0])  # fmt: skip
 def brakes_with_a_stage_at_1_at_5(s: Seen) -> Bit:
     """At 5 km/h, with a stage of counter 1 stuck at 1, overspeed for 4350 steps (0.678 s) brakes."""
-    return implies(too_fast_too_long(s), s.brake)
+    return implies(RIDE.too_fast_too_long(s), s.brake)

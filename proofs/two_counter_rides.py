@@ -19,7 +19,7 @@ from models.two_counter.numbers import CHECK_SPEEDS
 from models.two_counter.selection import Lines
 from proofs.two_counter_brake_chain import Chain
 from proofs.two_counter_formulas import EDGE, ROWS, greatest_permitted
-from safety import ANY_TIME, TRANSIENT, Fault, Scenario
+from safety import ANY_TIME, TRANSIENT, Bit, Fault, Scenario, Seen, any_of, persists
 
 LATE = 35  # steps between a fault late in a count and its end: n1F has been reached
 SOME_LOST = 700  # edges in which pulses that are lost in 100 are lost in a count, not in a preparation only
@@ -50,6 +50,14 @@ class Ride:
     def lines(self) -> dict[str, bool]:
         """This check speed selected, and no other."""
         return {f"lines.{name}": name == f"s{self.v}" for name in Lines._fields}
+
+    def selected(self, s: Seen) -> Bit:
+        """This check speed is selected, and no other."""
+        return s.lines[f"s{self.v}"] & ~any_of(*(s.lines[name] for name in Lines._fields if name != f"s{self.v}"))
+
+    def too_fast_too_long(self, s: Seen) -> Bit:
+        """Overspeed for the time that property 4 allows."""
+        return persists(self.chain.overspeed(s), self.chain.braked)
 
     def step(self, edges: Fraction | int) -> int:
         """The step of an edge, counted from power-up, within the limit."""

@@ -14,7 +14,7 @@ from models.two_counter.equipment import Equipment
 from models.two_counter.failures import component_faults
 from proofs.two_counter_brake_chain import Chain
 from proofs.two_counter_formulas import EDGE
-from proofs.two_counter_hazards import CHAIN, LINES, RIDE, too_fast_too_long
+from proofs.two_counter_hazards import CHAIN, LINES, RIDE
 from safety import ANY_TIME, PROVED, REFUTED, Bit, Int, Scenario, Seen, age, at_most, claim, implies, select, struck
 
 NAME, OTHER = "signals 1 and 2 swapped", "signals 2 and 3 swapped"
@@ -52,11 +52,11 @@ def worked_off(s: Seen) -> Bit:
        witness=Scenario(5000, {**LINES, "speed": CHAIN.speed}))  # fmt: skip
 def brakes_with_signals_1_and_2_swapped(s: Seen) -> Bit:
     """At 250 km/h, with signals 1 and 2 swapped, at any time, overspeed for 4019 steps (0.626 s) brakes."""
-    return implies(too_fast_too_long(s), s.brake)
+    return implies(RIDE.too_fast_too_long(s), s.brake)
 
 
 @claim(Equipment, expect=REFUTED, faults=at_most(1, [OTHERS]), requirement="TC-16", defeat=True, source="[D]",
        scenario=RIDE.scenarios((OTHER,))[2], twin_of=brakes_with_signals_1_and_2_swapped)  # fmt: skip
 def brakes_with_signals_2_and_3_swapped(s: Seen) -> Bit:
     """With signals 2 and 3 swapped it does too.  False: FF6 is never reset, and says safe for ever."""
-    return implies(too_fast_too_long(s), s.brake)
+    return implies(RIDE.too_fast_too_long(s), s.brake)

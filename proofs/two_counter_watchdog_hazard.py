@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from models.two_counter.variants import Watched
 from proofs.two_counter_formulas import Formula, named
-from proofs.two_counter_hazards import COUNTERS, FUNCTIONAL, RIDE, SINGLES, chain, too_fast_too_long
+from proofs.two_counter_hazards import COUNTERS, FUNCTIONAL, RIDE, SINGLES, chain
 from safety import ANY_TIME, Bit, Fault, Seen, age, hazard, struck, stuck
 
 T_W = 4000  # steps, 0.62 s
@@ -50,4 +50,4 @@ def waited(name: str) -> Formula:
         expect={1: 13, 2: 8})  # fmt: skip
 def with_watchdog_no_brake(s: Seen) -> Bit:
     """At 250 km/h, with a watchdog of 0.62 s: overspeed for 4019 steps (0.626 s) and no brake."""
-    return too_fast_too_long(s) & ~s.brake
+    return RIDE.too_fast_too_long(s) & ~s.brake

@@ -106,7 +106,7 @@ def escapes(function: Function, box: Box, start: Box, target: Span, whole: froze
         box = left.pop()
         if _within(function, {**start, **box}, target):
             continue
-        middle = {n: Fraction(each.middle // 1) if n in whole else each.middle for n, each in box.items()}
+        middle = _middle(box, whole)
         if not _within(function, {**start, **_spans(middle)}, target):
             return middle
         left += _halves(box, ranged, whole)
@@ -129,7 +129,7 @@ def lasts(
         if not left:
             return None
         box = left.pop()
-        middle = {n: Fraction(each.middle // 1) if n in whole else each.middle for n, each in box.items()}
+        middle = _middle(box, whole)
         found = find(function, free, {**start, **_spans(middle)}, target, whole)
         if found is None:
             return middle
@@ -177,6 +177,11 @@ def _corners(ranged: Box, begin: Point) -> Iterator[Point]:
     if len(ranged) <= CORNERS:
         for ends in product(*((each.low, each.high) for each in ranged.values())):  # type: ignore[assignment]
             yield dict(zip(ranged, ends, strict=True))  # type: ignore[call-overload]
+
+
+def _middle(box: Box, whole: frozenset[str]) -> Point:
+    """The middle of a box, counts rounded down."""
+    return {name: Fraction(each.middle // 1) if name in whole else each.middle for name, each in box.items()}
 
 
 def _halves(box: Box, ranged: Box, whole: frozenset[str]) -> list[Box]:

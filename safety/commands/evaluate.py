@@ -258,8 +258,10 @@ def _rate(project: Project, item: Item, order: Order, note: Note) -> Answer:
 def _figure(project: Project, item: Item, order: Order, note: Note) -> Answer:
     figure, began = find(project.figures, item.id), time.perf_counter()
     entry = figure.evaluate()
-    there = {claim.id for claim in project.claims} | {bound.id for bound in project.bounds}
-    if figure.claim and figure.claim not in there:
+    if figure.claim and figure.claim not in {
+        *(each.id for each in project.claims),
+        *(each.id for each in project.bounds),
+    }:
         from safety.audit import AuditError
 
         raise AuditError(f"{item.id}: there is no claim {figure.claim!r}; `rightside list claims` names them")
@@ -309,14 +311,8 @@ def _problem(project: Project, item: Item, error: Exception) -> Problem:
     elif item.section == "claims":
         code = find(project.claims, item.id).formula.__code__
         place, line = Path(code.co_filename), code.co_firstlineno
-    elif item.section == "syntheses":
-        file, line = find(project.syntheses, item.id).place
-        place = Path(file)
-    elif item.section == "campaigns":
-        file, line = find(project.campaigns, item.id).place
-        place = Path(file)
-    elif item.section == "figures":
-        file, line = find(project.figures, item.id).place
+    elif item.section in ("syntheses", "campaigns", "figures"):
+        file, line = find(getattr(project, item.section), item.id).place
         place = Path(file)
     elif item.section == "exhibits":
         exhibit = find(project.exhibits, item.id)

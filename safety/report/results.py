@@ -133,8 +133,8 @@ def canonical(results: Results) -> Results:
         entries = sorted(results.get(section, ()), key=key)
         kept[section] = [{name: value for name, value in entry.items() if name not in VOLATILE} for entry in entries]
     kept["claims"] = [_without_guesses(entry) for entry in kept["claims"]]
-    rounded: Results = _rounded(kept)
-    return rounded
+    settled: Results = _settled(kept)
+    return settled
 
 
 def _without_guesses(entry: dict[str, Any]) -> dict[str, Any]:
@@ -196,12 +196,13 @@ def key(entry: Entry) -> tuple[str, str]:
     return entry.get("model") or "", entry["id"]
 
 
-def _rounded(value: Any) -> Any:
+def _settled(value: Any) -> Any:
+    """Numbers rounded and keys in order, as they come back from a file: what is made of either is the same."""
     if isinstance(value, float):
         return float(f"{value:.{DIGITS}g}")
     if isinstance(value, dict):
-        return {name: _rounded(item) for name, item in value.items()}
-    return [_rounded(item) for item in value] if isinstance(value, list | tuple) else value
+        return {name: _settled(item) for name, item in sorted(value.items())}
+    return [_settled(item) for item in value] if isinstance(value, list | tuple) else value
 
 
 def _text(value: Any, indent: str) -> str:

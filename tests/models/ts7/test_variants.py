@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import random
-
 import pytest
 
 from models.ts7.full_scale import FullScaleBench
@@ -13,26 +11,16 @@ from models.ts7.wheel_bench import WheelBench
 from models.ts7.windings import Windings, WoundBench, WoundTs7
 from safety.model import Model
 from safety.system import ModelError
-from safety.trace import Stepper, run
-from safety.tracing import direct_step, trace
-from tests.models.ts7.test_readings import some
+from safety.trace import run
+from safety.tracing import trace
+from tests.models.ts7.test_readings import direct_and_python_agree
 
 MODELS = (HalfWindow, HalfBench, HalfTs7, HalfCheckedRing, WheelBench, FullScaleBench, Windings, WoundBench, WoundTs7)
 
 
 @pytest.mark.parametrize("model", MODELS, ids=lambda m: m.__name__)
 def test_direct_and_python_agree_from_any_state(model: type[Model]) -> None:
-    made = trace(model)
-    stepper = Stepper.of(made)
-    rng = random.Random(1972)
-    for _ in range(20):
-        state = {s.path: some(rng, s.var.sort) for s in made.states}
-        inputs = {name: some(rng, term.sort) for name, term in made.inputs.items()}
-        after = stepper.function(*state.values(), *inputs.values())
-        following, seen = direct_step(model, state, inputs)
-        assert dict(zip(state, after, strict=False)) == following
-        watched = dict(zip(stepper.observed, after[len(state) :], strict=False))
-        assert {path: seen[path] for path in watched if path in seen} == watched
+    direct_and_python_agree(model)
 
 
 @pytest.mark.parametrize("model", MODELS, ids=lambda m: m.__name__)
