@@ -13,7 +13,7 @@ _HOME = {
         "Bit Int Real UInt U1 U2 U3 U4 U5 U6 U7 U8 U9 U10 U12 U14 U16 U20 U24 U32 all_of any_of at_least "
         "bit count implies real select word"
     ),
-    "safety.model": ("Model assume parameter point power_up"),
+    "safety.model": ("Model assume parameter point power_up require"),
     "safety.system": ("ANY ModelError"),
     "safety.trace": ("run"),
     "safety.faults": ("ANY_TIME FROM_START INTERMITTENT TRANSIENT Fault any_of_faults at_most common_cause every"),
@@ -116,6 +116,7 @@ __all__ = [
     "reads",
     "real",
     "refines",
+    "require",
     "run",
     "select",
     "since",
@@ -182,6 +183,7 @@ if TYPE_CHECKING:
         parameter,
         point,
         power_up,
+        require,
     )
     from safety.prove.claims import (
         BITS,

@@ -19,13 +19,13 @@ from fractions import Fraction
 from typing import Any, cast, dataclass_transform
 
 from safety.fields import Parameter, PowerUp, fit, parameter, power_up, sort_of
-from safety.scope import assume, current, point
+from safety.scope import assume, current, point, require
 from safety.system import ANY, Clock, ModelError, Pace, PowerUpValue, Setting, State, nearest
 from safety.terms import Bit, Int, Term, UInt
 from safety.terms.graph import BIT, REAL, Sort, variable
 from safety.terms.values import const
 
-__all__ = ["ANY", "Model", "ModelError", "assume", "parameter", "parts", "point", "power_up", "registers"]
+__all__ = ["ANY", "Model", "ModelError", "assume", "parameter", "parts", "point", "power_up", "registers", "require"]
 
 Tick = float | str | Fraction | Callable[..., Fraction]
 

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from safety.exhibits import Exhibit
     from safety.inject import Campaign
     from safety.model import Model
-    from safety.prove.bounds import BoundClaim
+    from safety.prove.bounds.claims import RealClaim
     from safety.prove.claims import Claim
     from safety.prove.hazards import Hazard
     from safety.prove.weakest import Synthesis
@@ -153,7 +153,7 @@ class Project:
         return registered()
 
     @property
-    def bounds(self) -> list[BoundClaim]:
+    def bounds(self) -> list[RealClaim]:
         """The claims of bounds over reals of all files imported so far."""
         if "safety.prove.bounds.claims" not in sys.modules:
             return []

@@ -1,8 +1,8 @@
-"""What a trace collects while `step` runs, and the two calls by which a model speaks to it: `point` and `assume`."""
+"""What a trace collects while `step` runs, and how a model speaks to it: `point`, `assume`, `require`."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass, field
@@ -10,7 +10,7 @@ from typing import Any, TypeVar, cast
 
 from safety.system import ModelError, Setting, State
 from safety.terms import Bit, Int, Real, Term, UInt
-from safety.terms.graph import node
+from safety.terms.graph import describe, node, variables
 
 AnyTerm = TypeVar("AnyTerm", Bit, UInt, Int, Real)
 
@@ -80,3 +80,27 @@ def assume(label: str, condition: Bit) -> None:
     if full in scope.assumptions:
         raise ModelError(f"{full!r} is assumed twice in one step; give the second assumption a text of its own")
     scope.assumptions[full] = condition
+
+
+def require(label: str, condition: Bit, nearest: str | Callable[[], str]) -> None:
+    """State what parameters have to fulfil together; `nearest` says which admissible values are next.
+
+    With parameters that are set, the model is refused where the condition is false (`ModelError`); where one is left
+    open, the condition is assumed of it and shown in each result.
+    Raises `ModelError` for a condition that is no bit, or reads more than parameters.
+    """
+    if not isinstance(condition, Bit):
+        raise ModelError(f"require({label!r}) is given {condition!r}; a requirement is a bit, e.g. a comparison")
+    scope = current.get()
+    place = scope.path if scope else ""
+    if condition.is_const:
+        if not condition.attr:
+            raise ModelError(
+                f"{place}{label}: not with these parameters; {nearest if isinstance(nearest, str) else nearest()}"
+            )
+        return
+    open_ones = {s.var.uid for s in scope.rigid.values()} if scope else set()
+    moving = next((v for v in variables([condition]) if v.uid not in open_ones), None)
+    if moving is not None:
+        raise ModelError(f"require({label!r}) reads {describe(moving)}, which is no parameter; use assume for inputs")
+    assume(label, condition)

@@ -17,7 +17,7 @@ from copy import copy
 from fractions import Fraction
 from typing import TypeAlias
 
-from safety.audit import number, statement, wording
+from safety.audit import named, number, statement, wording
 from safety.audit.entry import Entry, Figure, by_claim, register
 from safety.audit.equation import Court, Equation
 from safety.audit.exceptions import AuditError
@@ -212,6 +212,15 @@ class Paper:
             says,
             lambda: wording.judge(spelled(says), self.symbols, _definitions(given), conditions),
             list,
+        )
+
+    def named(self, name: str, printed: str, *, where: str, means: str, names: Mapping[str, str]) -> Entry:
+        """Declare a name in print, of a figure or a word: it is to be that of what is meant.
+
+        `names` are the right ones, each with what it stands for.
+        """
+        return self._entry(
+            name, "name", printed, where, f"the name of {means}", lambda: named.judge(printed, means, names), list
         )
 
     def decided(self, name: str, printed: str, *, where: str, claim: str) -> Entry:

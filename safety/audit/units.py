@@ -69,6 +69,7 @@ _NAMES |= {
     "ppm": Unit(Fraction(1, 1_000_000)),
     "min": Unit(Fraction(60)) * _NAMES["s"],
     "h": Unit(Fraction(3600)) * _NAMES["s"],
+    "mile": Unit(Fraction("1609.344")) * _NAMES["m"],
     "day": Unit(Fraction(86400)) * _NAMES["s"],
     "W": _NAMES["V"] * _NAMES["A"],
     "ohm": _NAMES["V"] / _NAMES["A"],

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from safety.exhibits import Exhibit
     from safety.inject import Campaign
     from safety.model import Model
-    from safety.prove.bounds import BoundClaim
+    from safety.prove.bounds.claims import RealClaim
     from safety.prove.claims import Claim
     from safety.prove.hazards import Hazard
     from safety.prove.outcome import Limits, Outcome
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from safety.rates.claims import Rate
 
 Entry = dict[str, Any]
-Named = TypeVar("Named", "Claim", "BoundClaim", "Campaign", "Hazard", "Rate", "Exhibit", "Figure", "Synthesis")
+Named = TypeVar("Named", "Claim", "RealClaim", "Campaign", "Hazard", "Rate", "Exhibit", "Figure", "Synthesis")
 Note = Callable[[str], None]
 
 

@@ -24,7 +24,7 @@ from safety.commands.runs import add_signals, chosen_signals, show_run
 from safety.commands.table import table
 from safety.project import Project, Value, open_project
 from safety.prove import search
-from safety.prove.bounds import BoundClaim
+from safety.prove.bounds.claims import RealClaim
 from safety.prove.problem import build_problem, observed
 from safety.prove.record import story
 from safety.prove.refinement import build_refinement
@@ -150,15 +150,15 @@ def _recorded(project: Project, args: Namespace, section: str, name: str) -> Rec
     return Recorded({**project.config.settings, **given}, entry)
 
 
-def _at_point(bound: BoundClaim, entry: Entry | None) -> int:
-    """Whether a bound is exceeded at its point, computed again with fractions; the point goes to stdout."""
+def _at_point(bound: RealClaim, entry: Entry | None) -> int:
+    """Whether a claim over reals is broken at its point, computed again with fractions; the point goes to stdout."""
     counterexample = (entry or {}).get("counterexample")
     if not counterexample:
         verdict = f"is {entry['verdict']}" if entry else "has no result yet"
         raise CommandError(f"{bound.id} {verdict}: no point to show; `rightside prove -k {bound.id}` looks for one")
-    exceeded = bound.exceeded_at(counterexample["values"])
+    exceeded = bound.broken_at(counterexample["values"])
     data(table(["name", "value"], [[name, text] for name, text in counterexample["values"].items()]))
-    told = f"{bound.id} is {'exceeded' if exceeded else 'not exceeded'} at this point"
+    told = f"{bound.id} is {'broken' if exceeded else 'not broken'} at this point"
     print(f"{'reproduced' if exceeded else 'NOT reproduced'}: {told}", file=sys.stderr)
     return 0 if exceeded else 1
 

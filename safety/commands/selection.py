@@ -43,9 +43,9 @@ def items(project: Project, sections: Iterable[str]) -> list[Item]:
 
 
 def _claims(project: Project) -> list[Item]:
-    """Claims about models, then those of bounds, which have no model."""
+    """Claims about models, then those over reals, which have no model."""
     about = [Item("claims", c.id, c.model.__name__, c.requirement, c.statement, c.expect) for c in project.claims]
-    bounds = [Item("claims", b.id, "", b.bound.requirement, b.statement, b.expect) for b in project.bounds]
+    bounds = [Item("claims", b.id, "", b.about.requirement, b.statement, b.expect) for b in project.bounds]
     taken = {item.id for item in about} & {item.id for item in bounds}
     if taken:
         raise CommandError(

@@ -606,7 +606,8 @@ def smt(c: Certificate, one: Obligation) -> str:
     nodes = [c.nodes[i] for step in _needed(c, one) for i in step]
     numbers = [Sort("int", 0, n.attr) for n in nodes if n.op in ("div", "mod", "bit")]
     width = 0 if c.integers else 2 + max(sort.bits for sort in (*numbers, *(n.sort for n in nodes)))
-    lines = [f"; {one.label}", f"(set-logic {'ALL' if c.integers else 'QF_BV'})"]
+    reals_only = {"real"} <= {n.sort.kind for n in nodes} <= {"real", "bit"}
+    lines = [f"; {one.label}", f"(set-logic {'QF_NRA' if reals_only else 'ALL' if c.integers else 'QF_BV'})"]
 
     def sort(of: Sort, bits: int) -> str:
         return {"bit": "Bool", "real": "Real"}.get(of.kind, f"(_ BitVec {bits})" if width else "Int")
@@ -635,12 +636,13 @@ def smt(c: Certificate, one: Obligation) -> str:
 
 def ask(solver: str, text: str, seconds: float) -> str:
     """sat, unsat, or why neither."""
-    finite, limit = text.splitlines()[1] == "(set-logic QF_BV)", int(1000 * seconds)
+    logic, limit = text.splitlines()[1][len("(set-logic ") : -1], int(1000 * seconds)
+    finite = logic == "QF_BV"
     try:
         if solver == "z3":
             import z3
 
-            asked = z3.SolverFor("QF_FD") if finite else z3.Solver()
+            asked = z3.Solver() if logic == "ALL" else z3.SolverFor("QF_FD" if finite else logic)
             asked.set("timeout", limit)
             asked.from_string(text)
             return str(asked.check())

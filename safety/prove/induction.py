@@ -149,10 +149,10 @@ def ask(problem: Problem, one: Obligation, solver: str, integers: bool, timeout:
     """Ask one solver for a counterexample to an obligation; a solver that is missing or breaks down says `unknown`."""
     try:
         unrolling = Unrolling(problem.system, solver, integers, one.anywhere)
-        asked = Solver(solver, unrolling.k, timeout, finite=not integers)
-        for step, formulas in one.assumed:
-            asked.add(*unrolling.at(step, formulas))
-        asked.add(unrolling.k.Not(unrolling.at(one.step, [one.shown])[0]))
+        formulas = [f for step, held in one.assumed for f in unrolling.at(step, held)]
+        formulas.append(unrolling.k.Not(unrolling.at(one.step, [one.shown])[0]))
+        asked = Solver(solver, unrolling.k, timeout, finite=not integers, real=unrolling.encoder.reals_only)
+        asked.add(*formulas)
         asked.add_ranges(unrolling)
         result = asked.check()
         return Reply(result, _candidate(problem, asked, unrolling) if result == SAT else {}, asked.why)

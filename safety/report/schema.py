@@ -332,7 +332,7 @@ class Figure(TypedDict, total=False):
     paper: str | None
     published: bool  # absent: it stands in the paper; False: worked out from it here
     where: str | None
-    kind: str  # number, statement, equation, wording, claim
+    kind: str  # number, statement, equation, wording, name, claim
     requirement: str | None
     printed: Any
     recomputed: Any

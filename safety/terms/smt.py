@@ -64,6 +64,12 @@ class Encoder:
             raise TermError(f"two variables are named {name}, a {before} and a {sort}; give one another name")
         return constant
 
+    @property
+    def reals_only(self) -> bool:
+        """Whether the variables made so far are reals, and bits at most."""
+        kinds = {sort.kind for sort, _ in self._made.values()}
+        return "real" in kinds and kinds <= {"real", "bit"}
+
     def _constant(self, name: str, sort: Sort) -> Any:
         k = self.k
         if sort.kind == "bit":

@@ -68,12 +68,12 @@ def test_a_twin_is_refuted_at_an_exact_point_that_fractions_alone_confirm() -> N
     point = found["counterexample"]
     assert point["values"] == {"x": "1", "y": "3/2"} and point["value"]["exact"] == "3/2" and point["replayed"]
     assert point["replay"] == "rightside replay scratch.twin"
-    assert twin.exceeded_at(point["values"])
-    assert not twin.exceeded_at({"x": "1", "y": "149/100"}) and not twin.exceeded_at({"x": "2", "y": "3/2"})
+    assert twin.broken_at(point["values"])
+    assert not twin.broken_at({"x": "1", "y": "149/100"}) and not twin.broken_at({"x": "2", "y": "3/2"})
     with pytest.raises(ModelError, match="is about x, y"):
-        twin.exceeded_at({"x": "1"})
+        twin.broken_at({"x": "1"})
     with pytest.raises(ModelError, match="'1/0' is no value"):
-        twin.exceeded_at({"x": "1/0", "y": "1"})
+        twin.broken_at({"x": "1/0", "y": "1"})
 
 
 def test_a_bracket_shows_the_value_reached_and_the_one_proved() -> None:
@@ -130,7 +130,7 @@ def test_a_bracket_is_never_refuted_and_has_a_width() -> None:
 def test_an_id_is_used_once_also_in_a_loop() -> None:
     for limit in (2, 3):
         if limit == 3:
-            with pytest.raises(ModelError, match=r"two bounds are claimed as 'scratch.area', at .*test_bounds_claims"):
+            with pytest.raises(ModelError, match=r"two claims are called 'scratch.area', at .*test_bounds_claims"):
                 claim_bound(AREA, limit, expect=PROVED)
         else:
             claim_bound(AREA, limit, expect=PROVED)

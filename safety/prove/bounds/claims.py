@@ -16,28 +16,26 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
 from types import FrameType
-from typing import Any
+from typing import Any, TypeVar
 
 from safety.prove.bounds.replay import holds, read
-from safety.prove.bounds.statement import WIDTH, Bound, Exact
+from safety.prove.bounds.statement import WIDTH, Bound, Exact, Stated
 from safety.prove.claims import PROVED, REFUTED, UNDECIDED, VACUOUS
 from safety.system import ModelError
+from safety.terms import Bit
 from safety.terms.graph import variables
 
+R = TypeVar("R", bound="RealClaim")
 LARGEST = 1 << 1000  # limits stay below it, so that a double can stand beside the exact value
-_registry: dict[str, BoundClaim] = {}
+_registry: dict[str, RealClaim] = {}
 
 
-@dataclass(frozen=True, eq=False)
-class BoundClaim:
-    """A bound with its limit, or without one: then its least upper bound is bracketed.  `line` is where it stands."""
+@dataclass(frozen=True, eq=False, kw_only=True)
+class RealClaim:
+    """A claim over reals, which no model has.  `line` is where it stands."""
 
     id: str
-    bound: Bound
     expect: str
-    limit: Fraction | None = None
-    strict: bool = False
-    width: Fraction = WIDTH
     role: str = "claim"
     twin_of: str | None = None
     module: str = ""
@@ -48,36 +46,72 @@ class BoundClaim:
     @property
     def statement(self) -> str:
         """The sentence that is proved or refuted."""
-        return self.bound.least() if self.limit is None else self.bound.sentence(self.limit, self.strict)
+        raise NotImplementedError
+
+    @property
+    def about(self) -> Stated:
+        """What is claimed, with requirement and source."""
+        raise NotImplementedError
+
+    def found(self, seconds: float) -> dict[str, Any]:
+        """What is found of it, each route having so many seconds for a question."""
+        raise NotImplementedError
+
+    def violation(self) -> Bit:
+        """The points at which it is broken; raises `ModelError` where none could be named."""
+        raise NotImplementedError
 
     def evaluate(self, seconds: float) -> dict[str, Any]:
-        """The entry under "claims" of the results document, each route having so many seconds for a question.
-
-        Raises as `check` and `bracket`.
-        """
-        from safety.prove.bounds import Limits, bracket, check  # here, since FLINT and solvers take their time
-
-        limits = Limits(seconds)
-        if self.limit is None:
-            found = bracket(self.bound, self.width, limits).to_json(self.expect)
-        else:
-            found = check(self.bound, self.limit, self.strict, limits).to_json(self.expect)
+        """The entry under "claims" of the results document.  Raises as `check`, `bracket` and `law`."""
+        found = self.found(seconds)
         if found["counterexample"]:
             found["counterexample"]["replay"] = f"rightside replay {self.id}"
         return {**found, "id": self.id, "role": self.role, "twin_of": self.twin_of}
 
-    def exceeded_at(self, values: Mapping[str, str]) -> bool:
-        """Whether the limit is exceeded at a point, as the results have it; no solver is asked.
+    def broken_at(self, values: Mapping[str, str]) -> bool:
+        """Whether it is broken at a point, as the results have it; no solver is asked.
 
-        Raises `ModelError` for a point that does not name the variables of the bound, or has no numbers.
+        Raises `ModelError` for a point that does not name the variables, or has no numbers.
         """
-        if self.limit is None:
-            raise ModelError(f"{self.id} has no limit that could be exceeded")
-        formula = self.bound.beyond(self.limit, reached=self.strict)
+        formula = self.violation()
         names = {str(v.attr): v for v in variables([formula])}
         if values.keys() != names.keys():
             raise ModelError(f"{self.id} is about {', '.join(names)}; the point names {', '.join(values) or 'nothing'}")
         return holds(formula, {term: read(values[name]) for name, term in names.items()})
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class BoundClaim(RealClaim):
+    """A bound with its limit, or without one: then its least upper bound is bracketed."""
+
+    bound: Bound
+    limit: Fraction | None = None
+    strict: bool = False
+    width: Fraction = WIDTH
+
+    @property
+    def statement(self) -> str:
+        """That the limit is kept, or what is bracketed."""
+        return self.bound.least() if self.limit is None else self.bound.sentence(self.limit, self.strict)
+
+    @property
+    def about(self) -> Stated:
+        """The bound."""
+        return self.bound
+
+    def found(self, seconds: float) -> dict[str, Any]:
+        """The verdict on the limit, or the bracket."""
+        from safety.prove.bounds import Limits, bracket, check  # here, since FLINT and solvers take their time
+
+        if self.limit is None:
+            return bracket(self.bound, self.width, Limits(seconds)).to_json(self.expect)
+        return check(self.bound, self.limit, self.strict, Limits(seconds)).to_json(self.expect)
+
+    def violation(self) -> Bit:
+        """Where the limit is exceeded."""
+        if self.limit is None:
+            raise ModelError(f"{self.id} has no limit that could be exceeded")
+        return self.bound.beyond(self.limit, reached=self.strict)
 
 
 def claim_bound(
@@ -104,9 +138,12 @@ def claim_bound(
     _expects(id or bound.id, expect, (PROVED, REFUTED, VACUOUS, UNDECIDED))
     role = "defeat" if defeat else "twin" if twin_of else "claim"
     twin = twin_of.id if twin_of else None
-    return _register(
-        BoundClaim(id or bound.id, bound, expect, Fraction(limit), strict, role=role, twin_of=twin, **_place())
-    )
+    return register(
+        BoundClaim(
+            id=id or bound.id, bound=bound, expect=expect, limit=Fraction(limit), strict=strict, role=role,
+            twin_of=twin, **_place(),
+        )
+    )  # fmt: skip
 
 
 def claim_bracket(bound: Bound, *, width: Fraction = WIDTH, expect: str = PROVED, id: str = "") -> BoundClaim:
@@ -117,11 +154,11 @@ def claim_bracket(bound: Bound, *, width: Fraction = WIDTH, expect: str = PROVED
     if isinstance(width, bool) or not isinstance(width, int | Fraction) or not width > 0:
         raise ModelError(f"{id or bound.id}: width={width!r}; it is exact and above 0, such as Fraction(1, 1000)")
     _expects(id or bound.id, expect, (PROVED, VACUOUS, UNDECIDED))
-    return _register(BoundClaim(id or bound.id, bound, expect, width=Fraction(width), **_place()))
+    return register(BoundClaim(id=id or bound.id, bound=bound, expect=expect, width=Fraction(width), **_place()))
 
 
-def declared() -> list[BoundClaim]:
-    """All claims of bounds that imported proof files have declared, in order."""
+def declared() -> list[RealClaim]:
+    """All claims over reals that imported proof files have declared, in order."""
     return list(_registry.values())
 
 
@@ -142,11 +179,11 @@ def _place() -> dict[str, Any]:
     }
 
 
-def _register(new: BoundClaim) -> BoundClaim:
+def register(new: R) -> R:
     """Add a claim; a file that is read again, and so has new names, replaces its own."""
     old = _registry.get(new.id)
     if old is not None and (old.file != new.file or old.namespace is new.namespace):
         places = f"{old.file}:{old.line} and {new.file}:{new.line}"
-        raise ModelError(f"two bounds are claimed as {new.id!r}, at {places}; give one another id=")
+        raise ModelError(f"two claims are called {new.id!r}, at {places}; give one another id=")
     _registry[new.id] = new
     return new

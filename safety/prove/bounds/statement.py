@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from fractions import Fraction
-from typing import cast
+from typing import ClassVar, cast
 
 from safety.prove.bounds.replay import Range, Witness, over
 from safety.system import ModelError
@@ -16,8 +16,22 @@ Exact = int | Fraction
 WIDTH = Fraction(1, 10_000)  # of a bracket, relative
 
 
+class Stated:
+    """What is claimed of reals, as results show it; `assumed` are numbers that no source gives, in words with tags."""
+
+    id: str
+    requirement: str
+    source: str
+    assumed: tuple[str, ...]
+    method: ClassVar[str]
+
+    def assumptions(self) -> list[str]:
+        """What is assumed, in words."""
+        return list(self.assumed)
+
+
 @dataclass(frozen=True, eq=False)
-class Bound:
+class Bound(Stated):
     """A quantity, over `per` (above zero) where it is a quotient, wherever all of `given` hold.
 
     `assumed` says in words, each with its tag, which of the numbers in it no source gives: "[A] 60 pulses a turn".
@@ -34,6 +48,7 @@ class Bound:
     requirement: str = ""
     source: str = ""
     assumed: tuple[str, ...] = ()
+    method = "error bound over reals"
 
     def __post_init__(self) -> None:
         for name, term in (("quantity", self.quantity), ("per", self.per)):
@@ -47,6 +62,11 @@ class Bound:
         for number in self.whole:
             if not isinstance(number, Real) or number.op != "var":
                 raise ModelError(f"{self.id}: whole={number!r}; name variables, made by reals(...)")
+
+    def assumptions(self) -> list[str]:
+        """What is assumed, in words: numbers that no source gives, then what is given."""
+        whole = (f"{describe(v)} is a whole number" for v in self.whole)
+        return [*self.assumed, *(describe(g, 6) for g in self.given), *whole]
 
     @property
     def situation(self) -> Bit:

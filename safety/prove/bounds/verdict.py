@@ -10,7 +10,7 @@ from typing import Any
 
 from safety.prove.bounds.replay import Witness, shown
 from safety.prove.bounds.routes import Limits, Question, Reply
-from safety.prove.bounds.statement import Bound, Exact
+from safety.prove.bounds.statement import Bound, Exact, Stated
 from safety.prove.claims import PROVED, REFUTED, UNDECIDED, VACUOUS
 from safety.prove.solve import UNSAT
 from safety.system import ModelError
@@ -99,28 +99,24 @@ def one_step(witness: Witness) -> dict[str, Any]:
     return {"steps": 1, "tick_s": None, "replayed": True, "faults": [], "signals": signals, "values": values}
 
 
-def entry(bound: Bound, verdict: str, expect: str, agreed: Sequence[str], why: str, seconds: float) -> dict[str, Any]:
-    """What every bound's entry under "claims" has (keys: the results document)."""
+def entry(about: Stated, verdict: str, expect: str, agreed: Sequence[str], why: str, seconds: float) -> dict[str, Any]:
+    """What every claim over reals has under "claims" (keys: the results document)."""
     return {
-        "id": bound.id,
+        "id": about.id,
         "model": None,
-        "requirement": bound.requirement or None,
-        "source": bound.source or None,
+        "requirement": about.requirement or None,
+        "source": about.source or None,
         "expect": expect,
         "verdict": verdict,
         "as_expected": verdict == expect,
         "strength": {"kind": verdict, "steps": None},
         "faults": None,
-        "method": "error bound over reals",
+        "method": about.method,
         "why": why or None,
         "user_lemmas": 0,
         "agreed_by": list(agreed),
         "certificate": {"kind": "real", "routes": list(agreed)} if verdict == PROVED else None,
         "seconds": round(seconds, 3),
         "counterexample": None,
-        "assumptions": [
-            *bound.assumed,
-            *(describe(g, 6) for g in bound.given),
-            *(f"{describe(v)} is a whole number" for v in bound.whole),
-        ],
+        "assumptions": about.assumptions(),
     }
