@@ -9,8 +9,9 @@ import subprocess
 import sys
 from collections import Counter
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import pytest
 
@@ -71,12 +72,23 @@ def halving() -> Problem:
     return problem_of(states, [more], r < 2, {"in range": (r >= 0) & (r < 2)}, (more >= 0) & (more <= real("2/3")))
 
 
+def braking() -> Problem:
+    """Products of reals: a train that brakes at b or more for any time up to standstill never passes the point."""
+    v, x, b, d, h = (cast(Any, variable(name, REAL)) for name in "v x b d h".split())
+    states = [State(v, v - d * h, ANY), State(x, x - v * h + d * h * h / 2, ANY), State(b, b, ANY)]
+    fits = (v * v <= 2 * b * x) & (v >= 0) & (b > 0)
+    return replace(
+        problem_of(states, [d, h], x >= 0, {"the stop fits": fits}, (d >= b) & (h >= 0) & (v >= d * h)), start=fits
+    )
+
+
 PROBLEMS: dict[str, tuple[Callable[[], Problem], int]] = {
     "passing": (passing, 1),
     "passing in bits": (lambda: passing(BITS), 0),
     "adding": (adding, 0),
     "alternating": (alternating, 2),
     "halving": (halving, 1),
+    "braking": (braking, 0),
 }
 
 
@@ -95,7 +107,7 @@ def written(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
 
 def test_certificates_are_checked(written: dict[str, Path]) -> None:
     verdicts = {name: check.examine(path)["verdict"] for name, path in written.items()}
-    assert verdicts == dict.fromkeys(PROBLEMS, check.CHECKED) | {"halving": check.REAL}
+    assert verdicts == dict.fromkeys(PROBLEMS, check.CHECKED) | dict.fromkeys(["halving", "braking"], check.REAL)
 
 
 def test_every_obligation_is_in_the_report(written: dict[str, Path]) -> None:
