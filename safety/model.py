@@ -93,7 +93,8 @@ class Model:
             if path not in scope.rigid:
                 var = variable(path, sort)
                 scope.rigid[path] = State(var, var, ANY)
-                scope.start.append(cast(Bit, (var >= declared.low) & (var <= declared.high)))
+                if sort != BIT:
+                    scope.start.append(cast(Bit, (var >= declared.low) & (var <= declared.high)))
                 scope.used[path] = _setting(path, None, declared)
             return scope.rigid[path].var
         value = scope.settings.get(path, declared.default)

@@ -244,32 +244,64 @@ def run(
     how many).  `start` sets power-up values that are ANY (0 or false else); `keep` restricts the recorded signals.
     Raises `ModelError` for an unknown or missing input, a value outside its sort, or a broken assumption.
     """
-    system = model if isinstance(model, System) else trace(model, settings)
-    if keep is not None:
-        for path in keep:
-            system.lookup(path)
-    stepper = Stepper.of(system, keep)
-    state, chosen = initial_state(system, start or {})
-    paths = [*system.state, *system.inputs, *stepper.observed]
-    kept = paths if keep is None else list(keep)
-    index = [paths.index(p) for p in kept]
+    live = Live(model, start=start, settings=settings, keep=keep)
+    kept = live.paths if keep is None else list(keep)
+    index = [live.paths.index(p) for p in kept]
     columns: list[list[Any]] = [[] for _ in kept]
-    n, names, count, watched = len(system.states), list(system.inputs), 0, len(stepper.observed)
-    given: list[Any] = []
     for row in _rows(inputs, steps):
-        given = _checked(system, row, names, count, given)
-        result = stepper.function(*state, *given)
+        values = live.step(row)
+        for column, i in zip(columns, index, strict=True):
+            column.append(values[i])
+    return Trace(live.system, live.count, dict(zip(kept, columns, strict=True)), live.chosen)
+
+
+class Live:
+    """A model that is run step by step, each row being given in view of what the model shows: closed loops.
+
+    `paths` names what is recorded, `keep` restricts it as in `run`; `chosen` are the power-up values that were ANY.
+    Raises `ModelError` as `run` does.
+    """
+
+    def __init__(
+        self,
+        model: type[Model] | System,
+        *,
+        start: Mapping[str, Any] | None = None,
+        settings: Mapping[str, Any] | None = None,
+        keep: Sequence[str] | None = None,
+    ) -> None:
+        self.system = model if isinstance(model, System) else trace(model, settings)
+        for path in keep or ():
+            self.system.lookup(path)
+        self._stepper = Stepper.of(self.system, keep)
+        self._state, self.chosen = initial_state(self.system, start or {})
+        self.paths = [*self.system.state, *self.system.inputs, *self._stepper.observed]
+        self.count = 0
+        self._inputs, self._given = list(self.system.inputs), list[Any]()
+
+    @property
+    def state(self) -> dict[str, Any]:
+        """The registers before the next step."""
+        return dict(zip(self.system.state, self._state, strict=True))
+
+    def step(self, row: Row) -> tuple[Any, ...]:
+        """Take one step: the values of `paths` in it."""
+        system, n, watched = self.system, len(self.system.states), len(self._stepper.observed)
+        self._given = _checked(system, row, self._inputs, self.count, self._given)
+        result = self._stepper.function(*self._state, *self._given)
         if False in result[n + watched :]:
             label = list(system.assumptions)[result[n + watched :].index(False)]
             raise ModelError(
-                f"step {count} of {system.name} breaks the assumption {label!r}: choose inputs that keep it"
+                f"step {self.count} of {system.name} breaks the assumption {label!r}: choose inputs that keep it"
             )
-        values = (*state, *given, *result[n : n + watched])
-        for column, i in zip(columns, index, strict=True):
-            column.append(values[i])
-        state = result[:n]
-        count += 1
-    return Trace(system, count, dict(zip(kept, columns, strict=True)), chosen)
+        values = (*self._state, *self._given, *result[n : n + watched])
+        self._state = result[:n]
+        self.count += 1
+        return values
+
+    def shown(self, row: Row) -> dict[str, Any]:
+        """Take one step: what each path shows in it."""
+        return dict(zip(self.paths, self.step(row), strict=True))
 
 
 def _rows(inputs: Inputs, steps: int | None) -> Iterator[Row]:

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from safety.model import ANY, Model, assume, point, power_up
 from safety.system import ModelError, System
 from safety.terms import U3, U4, Bit, Int, Real, select
-from safety.trace import Trace, run, show
+from safety.trace import Live, Trace, run, show
 from safety.tracing import trace
 
 
@@ -309,3 +309,18 @@ def test_an_empty_run_can_be_shown() -> None:
     found = run(Part, {"up": True}, 0)
     assert len(found) == 0 and found.table(["n"]) == "step  n" and found.to_json(["n"])["signals"][0]["changes"] == []
     assert read(found.vcd()).times == [0]
+
+
+def test_a_run_step_by_step_is_the_run_of_its_rows_and_may_follow_the_registers() -> None:
+    whole, live = run(Whole, ROWS, start={"part.n": -1}), Live(Whole, start={"part.n": -1})
+    assert [live.shown(row) for row in ROWS] == [whole.row(k) for k in range(len(ROWS))]
+    assert (live.count, live.chosen) == (6, {"part.n": -1})
+    closed = Live(Part, keep=["n"])
+    for _ in range(12):
+        closed.step({"up": closed.state["n"] < 3})  # held below the top, where the assumption would break
+    assert closed.state["n"] == 3 and closed.state["r"] == Fraction(1, 3 * 2**12)
+    closed.step({"up": True})
+    with pytest.raises(ModelError, match="step 13 of Part breaks the assumption 'not at the top'"):
+        closed.step({"up": True})
+    with pytest.raises(ModelError):
+        closed.step({"down": True})

@@ -13,7 +13,7 @@ from safety.audit.exceptions import AuditError
 from safety.audit.known import Known, printed
 from safety.audit.spans import Span
 from safety.audit.text import Text
-from safety.audit.verdict import CONFIRMED, INCONSISTENT, MISPRINT, Judged, Verdict
+from safety.audit.verdict import CONFIRMED, INCONSISTENT, MISPRINT, Judged
 
 ASSUMED_TAG = "[A]"
 _declared: dict[str, Entry] = {}
@@ -21,7 +21,7 @@ _declared: dict[str, Entry] = {}
 
 @dataclass(eq=False, kw_only=True)
 class Entry:
-    """Something printed; `judge` gives the verdict on it, unless it is that on a `claim`."""
+    """Something printed; `judge` gives the verdict on it, unless it is that on a `claim`, or on what that `denies`."""
 
     id: str
     paper: str
@@ -33,6 +33,7 @@ class Entry:
     where: str
     how: str
     claim: str = ""
+    denies: bool = False
     place: tuple[str, int] = ("", 0)
     judge: Callable[[], Judged] = field(repr=False)
     inputs: Callable[[], list[str]] = field(default=list, repr=False)
@@ -49,6 +50,7 @@ class Entry:
         """
         try:
             judged = self.judged.to_json() | ({"claim": self.claim} if self.claim else {})
+            judged |= {"denies": True} if self.denies else {}
             inputs = self.inputs()
         except (AuditError, ArithmeticError) as error:
             raise AuditError(f"{self.id}: {error}") from None
@@ -85,30 +87,37 @@ class Figure(Entry):
         return self.as_printed()
 
 
-def by_claim(claim: str, found: Mapping[str, Any] | None = None, altered: Sequence[str] = ()) -> Judged:
+def by_claim(
+    claim: str, found: Mapping[str, Any] | None = None, altered: Sequence[str] = (), denies: bool = False
+) -> Judged:
     """The verdict on words that a claim states, by the entry of the claim in the results; without one there is none.
 
-    `altered` are parameters that were set to other values than the words are about: then nothing is decided either.
+    Words that deny what the claim states are confirmed where it is refuted.  `altered` are parameters that were set to
+    other values than the words are about: then nothing is decided either.
     """
     if found is None:
         return Judged(None, "", f"not run: `rightside verify`, or `rightside prove -k {claim}`")
     if altered:
         return Judged(None, "", f"not judged: {claim} was asked with another {', '.join(altered)}")
     verdict = found["verdict"]
-    if verdict not in _BY_CLAIM:
+    if verdict not in ("proved", "refuted"):
         return Judged(None, "", f"open: {claim} is {verdict}")
-    return Judged(_BY_CLAIM[verdict], f"{claim} is {verdict}", assumed=_assumed(found))
-
-
-_BY_CLAIM: Mapping[str, Verdict] = {"proved": CONFIRMED, "refuted": INCONSISTENT}
+    agrees = (verdict == "proved") != denies
+    return Judged(CONFIRMED if agrees else INCONSISTENT, f"{claim} is {verdict}", assumed=_assumed(found))
 
 
 def _assumed(claim: Mapping[str, Any]) -> tuple[str, ...]:
     """What a claim assumes: its parameters, premises and source that are tagged A."""
     tagged = [each for each in claim.get("parameters") or () if ASSUMED_TAG in (each.get("source") or "")]
-    texts = [f"{each['name']} = {each.get('value')} {each.get('unit') or ''}".rstrip() for each in tagged]
+    texts = [_parameter(each) for each in tagged]
     said = [*(claim.get("assumptions") or ()), claim.get("source") or ""]
     return tuple(dict.fromkeys([*texts, *(text for text in said if ASSUMED_TAG in text)]))
+
+
+def _parameter(each: Mapping[str, Any]) -> str:
+    if each.get("value") is None:
+        return f"{each['name']}, whatever is admitted"
+    return f"{each['name']} = {each['value']} {each.get('unit') or ''}".rstrip()
 
 
 def declared() -> tuple[Entry, ...]:

@@ -223,13 +223,15 @@ class Paper:
             name, "name", printed, where, f"the name of {means}", lambda: named.judge(printed, means, names), list
         )
 
-    def decided(self, name: str, printed: str, *, where: str, claim: str) -> Entry:
+    def decided(self, name: str, printed: str, *, where: str, claim: str, denies: bool = False) -> Entry:
         """Declare words that a claim states: confirmed where it is proved, inconsistent where it is refuted.
 
-        Until then there is no verdict.
+        Of words that say the contrary of the claim, `denies`, it is the other way round.  Until then there is no
+        verdict.
         """
-        new = self._entry(name, "claim", printed, where, f"claim {claim}", lambda: by_claim(claim), list)
-        new.claim = claim
+        how = f"the contrary of claim {claim}" if denies else f"claim {claim}"
+        new = self._entry(name, "claim", printed, where, how, lambda: by_claim(claim), list)
+        new.claim, new.denies = claim, denies
         return new
 
     def _court(self, name: str) -> Court:

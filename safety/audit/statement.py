@@ -61,6 +61,8 @@ def judge(parts: Sequence[Part]) -> Judged:
     assumed = tuple(dict.fromkeys(text for each in parts for text in each.difference.assumed))
     recomputed = "; ".join(dict.fromkeys(text for each in parts for text in _sides(each)))
     try:
+        for each in parts:
+            _comparable(each)
         found = _under_assumptions(parts, _settled(parts))
     except Undecided as error:
         found = Judged(NOT_DERIVABLE, "", f"not decided: {error}")
@@ -75,6 +77,15 @@ def _settled(parts: Sequence[Part]) -> Judged:
     found = _worst(verdicts)
     wrong = "; ".join(each.text for each, verdict in zip(parts, verdicts, strict=True) if verdict != CONFIRMED)
     return Judged(found, "", f"{_TOLD[found]}: {wrong}" if wrong else "")
+
+
+def _comparable(each: Part) -> None:
+    """Refuse sides that are too far apart, or too close together, to be compared.  Raises AuditError."""
+    ends = each.difference.nominal()
+    if any(abs(end) > FAR or (each.sign in "<>" and 0 < abs(end) < 1 / FAR) for end in (ends.low, ends.high)):
+        raise AuditError(
+            f"{each.text}: sides that differ by {_short(ends)} are not compared; divide both, or take roots"
+        )
 
 
 _TOLD = {

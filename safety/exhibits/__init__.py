@@ -138,7 +138,8 @@ class Exhibit:
         low, high = (None if end is None else self._number(end, axis) for end in (axis.low, axis.high))
         if low is not None and high is not None and not low < high:
             raise ExhibitError(f"{self.id}: axis {axis.name!r} from {low} to {high}; its low end comes first")
-        return {"name": axis.name, "unit": axis.unit, "log": axis.log, "low": low, "high": high}
+        found = {"name": axis.name, "unit": axis.unit, "log": axis.log, "low": low, "high": high}
+        return found | ({"falling": True} if axis.falling else {})
 
     def _mark(self, mark: Mark) -> dict[str, Any]:
         x, y = self.axes
@@ -151,7 +152,8 @@ class Exhibit:
             names = getattr(mark, "names", ())
             if names and len(names) != len(mark.points):
                 raise ExhibitError(f"{self.id}: {len(names)} names for the {len(mark.points)} points of {mark.label!r}")
-            named = {"names": list(names)} if isinstance(mark, Points) else {}
+            named: dict[str, Any] = {"names": list(names)} if isinstance(mark, Points) else {}
+            named |= {} if getattr(mark, "marked", True) else {"marked": False}
             return shown | {"points": [self._point(point) for point in mark.points]} | named
         if (mark.x is None) == (mark.y is None):
             raise ExhibitError(f"{self.id}: {mark.label!r} stands at an x or at a y; give one of both")

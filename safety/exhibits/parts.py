@@ -25,21 +25,29 @@ class Column:
 
 @dataclass(frozen=True)
 class Axis:
-    """An axis of a plot, from `low` to `high`; where these are not given, as far as curves and points go."""
+    """An axis of a plot, from `low` to `high`; where these are not given, as far as curves and points go.
+
+    `falling`: the high end is on the left or below, as of a distance that is still to go.
+    """
 
     name: str
     unit: str = ""
     log: bool = False
     low: Number | None = None
     high: Number | None = None
+    falling: bool = False
 
 
 @dataclass(frozen=True)
 class Curve:
-    """A line through points, in their order; what lies outside the axes is cut off."""
+    """A line through points, in their order; what lies outside the axes is cut off.
+
+    Few points have a marker each, unless it is not `marked`.
+    """
 
     label: str
     points: Sequence[Point]
+    marked: bool = True
     kind: Literal["curve"] = field(default="curve", init=False)
 
 

@@ -642,7 +642,8 @@ def ask(solver: str, text: str, seconds: float) -> str:
         if solver == "z3":
             import z3
 
-            asked = z3.Solver() if logic == "ALL" else z3.SolverFor("QF_FD" if finite else logic)
+            real = z3.OrElse(z3.TryFor("smt", 5000), "qfnra")  # many bits defeat the latter, products the former
+            asked = z3.SolverFor("QF_FD") if finite else z3.Solver() if logic == "ALL" else real.solver()
             asked.set("timeout", limit)
             asked.from_string(text)
             return str(asked.check())

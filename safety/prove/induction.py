@@ -155,7 +155,8 @@ def ask(problem: Problem, one: Obligation, solver: str, integers: bool, timeout:
         asked.add(*formulas)
         asked.add_ranges(unrolling)
         result = asked.check()
-        return Reply(result, _candidate(problem, asked, unrolling) if result == SAT else {}, asked.why)
+        told = result == SAT and not asked.apart
+        return Reply(result, _candidate(problem, asked, unrolling) if told else {}, asked.why)
     except (TermError, ModelError):
         raise
     except Exception as error:

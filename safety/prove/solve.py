@@ -9,12 +9,16 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, cast
 
+from safety.prove.apart import answered_apart
 from safety.system import ANY, State, System
 from safety.terms.graph import Term, Value, variables
 from safety.terms.smt import Encoder
 from safety.terms.values import const
 
+GENERAL_MS = 5000  # that the general engine of z3 has before nlsat, where there are many bits
+FEW_BITS = 6
 SAT, UNSAT, UNKNOWN = "sat", "unsat", "unknown"
+GRACE = 1.0  # seconds beyond its own limit that a solver in a process of its own is given
 
 
 class Disagreement(RuntimeError):
@@ -69,7 +73,7 @@ class Solver:
 
     `finite`: the question has bits and bit-vectors only (z3 then runs its incremental SAT engine, cvc5 turns it into
     SAT at once: its ways of doing so while solving took minutes on a serial adder, or on 80 faults).
-    `real`: it has reals only (z3 then runs nlsat).
+    `real`: it has reals and bits only (z3 then runs nlsat; many bits defeat it, so there its general engine is first).
     `alone` (z3): in a context of its own, so that its models do not depend on what was asked before it.
     """
 
@@ -83,7 +87,10 @@ class Solver:
     def __post_init__(self) -> None:
         logic = "QF_NRA" if self.real else "QF_FD" if self.name == "z3" else "QF_BV"
         own = {"ctx": self.k.Context()} if self.alone and self.name == "z3" else {}
-        self.raw = self.k.SolverFor(logic, **own) if self.finite or self.real else self.k.Solver(**own)
+        if self.real and self.name == "z3":
+            self.raw = _for_reals(self.k, own.get("ctx"))
+        else:
+            self.raw = self.k.SolverFor(logic, **own) if self.finite or self.real else self.k.Solver(**own)
         milliseconds = int(self.timeout * 1000)
         if self.name == "z3":
             self.raw.set("timeout", milliseconds)
@@ -122,7 +129,7 @@ class Solver:
         """sat, unsat or unknown (`why` then says more); an interrupt from the keyboard is raised as such."""
         self.why = ""
         try:
-            answer = str(self.raw.check())
+            answer = answered_apart(self._asked, self.timeout + GRACE) if self.apart else self._asked()
         except Exception as error:
             self.why = f"{type(error).__name__}: {error}"
             return UNKNOWN
@@ -133,6 +140,22 @@ class Solver:
             raise KeyboardInterrupt
         return UNKNOWN
 
+    def _asked(self) -> str:
+        return str(self.raw.check())
+
+    @property
+    def apart(self) -> bool:
+        """Whether the question is asked in a process of its own; then no model comes back."""
+        return self.real and self.name == "cvc5"
+
     def model(self) -> Any:
-        """The model of the last sat answer."""
+        """The model of the last sat answer, of a question that was asked here."""
         return self.raw.model()
+
+
+def _for_reals(k: Any, context: Any) -> Any:
+    """z3 for nonlinear questions over reals and bits."""
+    general = k.TryFor(k.Tactic("smt", context), GENERAL_MS, context)
+    nlsat = k.Tactic("qfnra", context)
+    many_bits = k.Probe("num-bool-consts", context) > FEW_BITS
+    return k.Cond(many_bits, k.OrElse(general, nlsat, ctx=context), nlsat, context).solver()

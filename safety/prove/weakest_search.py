@@ -176,6 +176,12 @@ class _OfClaims(_Asked):
         self.settings = dict(settings or {})
         if synthesis.free:
             used = self._open.system.settings[synthesis.free]
+            sort = self._open.system.lookup(synthesis.free).sort
+            if sort.kind not in ("uint", "int"):
+                raise ModelError(
+                    f"{synthesis.id}: {used.path} is a {sort}; weakest goes through whole numbers, "
+                    "so use weakest_of with covers=True"
+                )
             if synthesis.within[0] < used.low or used.high < synthesis.within[1]:
                 raise ModelError(
                     f"{synthesis.id}: within={synthesis.within}, but {used.path} lies in {used.low}..{used.high} "

@@ -26,6 +26,7 @@ class Axis(TypedDict, total=False):
     log: Required[bool]
     low: Required[Value | None]
     high: Required[Value | None]
+    falling: bool  # the high end on the left or below
 
 
 class Mark(TypedDict, total=False):
@@ -35,6 +36,7 @@ class Mark(TypedDict, total=False):
     label: str
     points: list[tuple[Value, Value]]
     names: list[str]
+    marked: bool  # absent: a curve of few points has markers
     axis: Literal["x", "y"]
     at: list[Value]
     text: str

@@ -59,7 +59,7 @@ def decided(figure: Entry, results: Mapping[str, Any]) -> Entry:
 
     claim = next((claim for claim in results.get("claims", ()) if claim["id"] == figure["claim"]), None)
     altered = _altered(claim or {}, results.get("settings") or {})
-    judged = by_claim(figure["claim"], claim, altered).to_json()
+    judged = by_claim(figure["claim"], claim, altered, figure.get("denies", False)).to_json()
     waits = {"waits": True} if claim is None else {}
     return {name: each for name, each in figure.items() if name not in ("waits", "assumed")} | judged | waits
 

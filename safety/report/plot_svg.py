@@ -21,6 +21,7 @@ LEFT, RIGHT, TOP, BELOW = 84, 26, 18, 58  # px around it
 TICKS_X, TICKS_Y = 10, 8
 MARKED = 24  # points of a curve up to which each has a marker
 ROW, SAMPLE = 24, 40  # px: a row of the legend, a sample in it
+LINE, LINES = 15, 6  # px from one line of words to the next; lines above and below a marker that are tried
 SERIES = ("curve", "points", "rule", "band")  # in the legend, in this order
 COLOURS = 10
 DASHES = ("", "9 4", "2.5 3.5", "12 4 2.5 4", "5 3", "14 5")
@@ -148,6 +149,7 @@ class _Picture:
         drawn: dict[str, list[str]] = {"band": [], "rule": [], "curve": []}
         markers: list[str] = []
         words: list[str] = []
+        self.taken: list[tuple[float, float, float]] = []
         for n, mark in enumerate(self.entry["marks"]):
             kind = mark["kind"]
             if kind == "note":
@@ -190,10 +192,21 @@ class _Picture:
         return element("rect", class_=f"band {look.fill}", **where)
 
     def _words(self, words: str, x: float, y: float, beside: bool = False) -> str:
-        """Beside a marker, on the side on which there is room."""
-        off = 9 if beside else 0
-        left = x + off + text_width(words) > LEFT + WIDTH
-        return text(words, x - off if left else x + off, y - off, class_="over", text_anchor="end" if left else "start")
+        """Beside a marker, on the side on which there is room, and clear of words that are there already."""
+        off, wide = (9 if beside else 0), text_width(words)
+        sides = ((x + off, x + off), (x - off, x - off - wide))
+        fits = [side for side in sides if LEFT <= side[1] <= LEFT + WIDTH - wide] or [sides[0]]
+        rows = [row for n in range(LINES if beside else 1) for row in (y - off - n * LINE, y + off + 9 + n * LINE)]
+        places = [(at, start, row) for row in rows for at, start in fits]
+        free = (each for each in places if self._is_free(each[1], wide, each[2]))
+        at, start, row = next(free, places[0])
+        self.taken.append((start, wide, row))
+        return text(words, at, row, class_="over", text_anchor="start" if at == start else "end")
+
+    def _is_free(self, start: float, wide: float, row: float) -> bool:
+        """Whether words can stand there."""
+        apart = (abs(row - y) >= LINE or start >= x + w or x >= start + wide for x, w, y in self.taken)
+        return TOP + LINE <= row <= TOP + HEIGHT and all(apart)
 
     def _place(self, point: Sequence[float]) -> tuple[float, float]:
         return self.x.at(point[0]), self.y.at(point[1])
@@ -236,7 +249,7 @@ class _Picture:
 
 def _has_markers(mark: Entry) -> bool:
     """All points, and those of a curve where there are few; a straight line between two has none."""
-    return mark["kind"] == "points" or 2 < len(mark["points"]) <= MARKED
+    return mark["kind"] == "points" or (mark.get("marked", True) and 2 < len(mark["points"]) <= MARKED)
 
 
 def _cut(label: str) -> str:

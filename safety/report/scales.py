@@ -52,7 +52,7 @@ class Scale(NamedTuple):
 
 
 def scale_of(axis: Mapping[str, Any], values: Iterable[float], start: float, end: float) -> Scale:
-    """The scale of an axis: its own ends, else a little more than the values."""
+    """The scale of an axis: its own ends, else a little more than the values; one that falls starts at its high end."""
     values = [*values, *(v for v in (axis["low"], axis["high"]) if v is not None)]
     low, high = min(values), max(values)
     if axis["log"]:
@@ -66,4 +66,5 @@ def scale_of(axis: Mapping[str, Any], values: Iterable[float], start: float, end
         low, high = 10**low, 10**high
     low = low if axis["low"] is None else float(axis["low"])
     high = high if axis["high"] is None else float(axis["high"])
+    start, end = (end, start) if axis.get("falling") else (start, end)
     return Scale(low, high, start, end, axis["log"])

@@ -339,6 +339,7 @@ class Figure(TypedDict, total=False):
     unit: str | None
     how: str  # the relation
     claim: str  # whose verdict decides
+    denies: bool  # the words say the contrary of that claim
     inputs: list[str]  # what entered, each with its tag
     verdict: Required[FigureVerdict | None]  # None: the claim that decides has no verdict to give
     waits: bool  # as it was not run

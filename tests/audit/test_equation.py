@@ -233,6 +233,12 @@ def test_a_range_in_a_sentence_leaves_it_open(paper: Paper) -> None:
     assert found.verdict == "confirmed"
 
 
+@pytest.mark.parametrize("holds", ["stages^60 < stages^70", "1/stages^60 > 0", "stages^70 > stages^60"])
+def test_sides_that_are_beyond_comparison_are_refused(paper: Paper, holds: str) -> None:
+    with pytest.raises(AuditError, match="divide both, or take roots"):
+        _ = paper.statement("far", "", where="", holds=holds).judged
+
+
 def test_words_that_a_claim_states_wait_for_it(paper: Paper) -> None:
     entry = paper.decided("said", "words", where="text", claim="clock.runs").evaluate()
     assert (entry["verdict"], entry["claim"]) == (None, "clock.runs")
@@ -255,12 +261,15 @@ def test_a_claim_decides_when_it_is_proved_or_refuted_as_it_stands(
 ) -> None:
     about = {
         "id": "clock.runs",
-        "parameters": [{"name": "ring.load", "value": "1", "unit": "s", "source": "[A] taken"}],
+        "parameters": [
+            {"name": "ring.load", "value": "1", "unit": "s", "source": "[A] taken"},
+            {"name": "ring.turn", "value": None, "unit": "s", "source": "[A] taken"},
+        ],
     }
     claims = [] if claim is None else [{**about, **claim}]
     found = decided({"id": "said", "claim": "clock.runs", "verdict": None}, {"claims": claims, "settings": settings})
     assert (found["verdict"], found["note"], found.get("waits", False)) == (verdict, note, claim is None)
-    assert found.get("assumed") == (["ring.load = 1 s"] if verdict else None)
+    assert found.get("assumed") == (["ring.load = 1 s", "ring.turn, whatever is admitted"] if verdict else None)
 
 
 def test_a_sentence_over_counts_is_asked_at_whole_values(paper: Paper) -> None:

@@ -127,7 +127,7 @@ def test_an_interval_has_every_result(a: Span, b: Span, s: Fraction, t: Fraction
     [
         ("km/h", Fraction(5, 18)), ("kHz", 1000), ("c/s", 1), ("%", Fraction(1, 100)), ("km/h/s", Fraction(5, 18)),
         ("Hz/(km/h)", Fraction(18, 5)), ("mm", Fraction(1, 1000)), ("ms", Fraction(1, 1000)), ("min", 60), ("1", 1),
-        ("kVA", 1000), ("ppm", Fraction(1, 10**6)), ("day", 86400),
+        ("kVA", 1000), ("ppm", Fraction(1, 10**6)), ("day", 86400), ("mile/h", Fraction("0.44704")),
     ],
 )  # fmt: skip
 def test_units_are_converted_exactly(text: str, scale: Fraction) -> None:

@@ -71,6 +71,15 @@ def test_the_verdict_of_a_claim_decides_words_once_it_is_there(run: Run, figures
     assert (entry["verdict"], entry["recomputed"]) == ("confirmed", "counter.alarm_at_twelve is proved")
 
 
+def test_words_that_deny_a_claim_fall_with_its_proof(run: Run, figures: Path) -> None:
+    put(figures.parents[1], "proofs/figures.py", FIGURES.replace('at_twelve")', 'at_twelve", denies=True)'))
+    run("prove", "-k", "alarm_at_twelve and not fault")
+    assert re.search(r"counter\.alarm .* inconsistent", run("audit", "-k", "counter.alarm").out)
+    run("verify", "-k", "alarm", "--json", "out.json", "--no-cache")
+    (entry,) = document(figures.parents[1] / "out.json")["figures"]
+    assert (entry["verdict"], entry["denies"]) == ("inconsistent", True)
+
+
 def test_one_paper_is_chosen_by_its_name(run: Run, figures: Path) -> None:
     other = FIGURES.replace('Paper("counter"', 'Paper("other"')
     put(figures.parents[1], "proofs/others.py", other)

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from importlib import import_module
 from types import ModuleType
 from typing import Any
 
 from safety import PROVED, REFUTED
+from safety.audit import Entry
+from safety.prove.bounds.claims import declared
 from safety.prove.claims import Claim, claim_id, registered
 from safety.prove.prove import Limits, Outcome, prove
 
@@ -41,3 +44,12 @@ def without_twin(claims: dict[str, Claim], excused: Sequence[str] = ()) -> list[
     """Proved claims for whose requirement no claim is stated that must fail."""
     refuted = {c.requirement for c in claims.values() if c.expect == REFUTED}
     return [n for n, c in claims.items() if c.expect == PROVED and c.requirement not in refuted and n not in excused]
+
+
+def stated_in(entries: Mapping[str, Entry]) -> dict[str, str]:
+    """What the claims are stated to come to, by which the words of a paper are judged."""
+    words = {name: entry.claim for name, entry in entries.items() if entry.claim}
+    for module in sorted({claim.partition(".")[0] for claim in words.values()}):
+        import_module(f"proofs.{module}")
+    expected = {claim.id: claim.expect for claim in (*registered(), *declared())}
+    return {name: expected[claim] for name, claim in words.items()}

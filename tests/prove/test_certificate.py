@@ -74,7 +74,7 @@ def halving() -> Problem:
 
 def braking() -> Problem:
     """Products of reals: a train that brakes at b or more for any time up to standstill never passes the point."""
-    v, x, b, d, h = (cast(Any, variable(name, REAL)) for name in "v x b d h".split())
+    v, x, b, d, h = (cast(Any, variable(name, REAL)) for name in ["v", "x", "b", "d", "h"])
     states = [State(v, v - d * h, ANY), State(x, x - v * h + d * h * h / 2, ANY), State(b, b, ANY)]
     fits = (v * v <= 2 * b * x) & (v >= 0) & (b > 0)
     return replace(

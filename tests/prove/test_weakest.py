@@ -9,7 +9,7 @@ from typing import Any
 import msgspec
 import pytest
 
-from safety import PROVED, Bit, Model, ModelError, Scenario, Seen, UInt, implies, parameter, power_up, select
+from safety import PROVED, Bit, Model, ModelError, Real, Scenario, Seen, UInt, implies, parameter, power_up, select
 from safety import U4 as Small
 from safety.prove import weakest as weak
 from safety.prove.outcome import Limits
@@ -302,3 +302,22 @@ def test_the_verdict_comes_from_the_one_who_is_asked() -> None:
     assert (found.safe_from, found.refuted_at) == (None, None)
     assert standing("syntheses", found.to_json()).code == 3
     assert PROVED not in str(found.proof)
+
+
+class Scales(Model, event="tick"):
+    """Says whether what is put on it is above a real limit."""
+
+    limit: Real = parameter(5, unit="kg", within=(1, 12), source="[A]")
+
+    def step(self, weight: Real) -> tuple[Scales, Bit]:
+        return Scales(), weight > self.limit
+
+
+def test_a_real_parameter_is_refused_with_what_to_write() -> None:
+    @weakest(Scales, "limit", safe=ABOVE, within=(1, 12), id="scales.limit")
+    def light(s: Seen) -> Bit:
+        """Nothing is too heavy."""
+        return ~s.out
+
+    with pytest.raises(ModelError, match="limit is a real; weakest goes through whole numbers, so use"):
+        find(last(), QUICK)

@@ -10,6 +10,7 @@ import pytest
 
 from safety.report.plot_svg import DASHES, HEIGHT, LEFT, MARKED, MARKERS, TOP, WIDTH, plot_svg
 from safety.report.scales import Scale, scale_of
+from safety.report.tree_layout import text_width
 
 SVG = "{http://www.w3.org/2000/svg}"
 
@@ -97,6 +98,7 @@ def test_a_curve_is_cut_off_at_the_axes() -> None:
 def test_a_curve_has_markers_where_there_are_few_points() -> None:
     counts = {n: len(with_class(entry(curve("c", [(k % 10, k % 10) for k in range(n)])), "mark")) for n in (2, 3, 40)}
     assert counts == {2: 0, 3: 3 + 1, 40: 0} and MARKED < 40
+    assert not with_class(entry(curve("steps", [(0, 1), (1, 1), (1, 2)], marked=False)), "mark")
 
 
 def test_series_differ_without_colour() -> None:
@@ -127,6 +129,26 @@ def test_names_turn_to_the_side_with_room() -> None:
     found = entry(curve("dots", [(0, 50), (10, 50)], "points", names=["left end", "right end"]))
     anchors = {each.text: each.get("text-anchor") for each in with_class(found, "over")}
     assert anchors == {"left end": "start", "right end": "end"}
+
+
+def test_names_of_points_close_together_do_not_lie_on_each_other() -> None:
+    close = [(5.0, 50.0), (5.1, 50.0), (5.2, 51.0), (5.3, 49.0)]
+    found = entry(curve("dots", close, "points", names=["the first one", "the second", "the third", "the fourth"]))
+    boxes = []
+    for each in with_class(found, "over"):
+        x, wide = float(each.get("x", "")), text_width(each.text or "")
+        boxes.append((x - wide if each.get("text-anchor") == "end" else x, wide, float(each.get("y", ""))))
+    for n, (x, wide, y) in enumerate(boxes):
+        assert all(abs(y - v) >= 15 or x >= u + w or u >= x + wide for u, w, v in boxes[:n])
+
+
+def test_a_falling_axis_has_its_high_end_on_the_left() -> None:
+    found = entry(curve("dots", [(10, 0), (0, 100)], "points"), x=axis(low=0, high=10) | {"falling": True})
+    assert places(with_class(found, "mark"))[:-1] == [(LEFT, TOP + HEIGHT), (LEFT + WIDTH, TOP)]
+    band = entry(curve("c", [(0, 1)], "points"), {"kind": "band", "label": "b", "axis": "x", "at": [8.0, 30.0]},
+                 x=axis(low=0, high=10) | {"falling": True})  # fmt: skip
+    edge = with_class(band, "band")[0].attrib
+    assert (float(edge["x"]), float(edge["width"])) == (LEFT, pytest.approx(0.2 * WIDTH))
 
 
 def test_it_says_in_words_what_it_shows_and_escapes_them() -> None:

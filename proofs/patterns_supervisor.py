@@ -1,0 +1,188 @@
+"""Discrete-time supervisor on the model: a supervised train never passes the protected point.
+
+By induction over the train's speed and distance as reals, for every motion within each cycle and every width of the
+intervals; the service brake for every acceleration and hysteresis, the emergency brake for every budget, the plain
+ceiling for all brakes and budgets in their ranges.  The lemma is the conservative ceiling with the
+time that is left until the brake acts; `kinematics_cycle` has one cycle of it as laws, for all parameters.
+Source: speed patterns, discrete-time supervisor and properties SP-P3, AV-1 [D]; cycle, budget, hysteresis [A].
+
+Main results: service and emergency brake are each enough; each slip of the equipment, and each broken promise of the
+surroundings, is refuted by a run of a few cycles.
+"""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from typing import Any
+
+from models.kinematics import ACCELERATION, B_SERVICE, HYSTERESIS, T_SERVICE, distance, permits_accelerating
+from models.patterns.slips import (
+    ClampedRun,
+    FartherPointRun,
+    LowerSpeedRun,
+    NoFreeRunRun,
+    NoHysteresis,
+    PlainRun,
+    SlowBrake,
+    StrongTraction,
+    TruthOutside,
+    WeakBrake,
+    WithoutTraction,
+)
+from models.patterns.supervised import EmergencyRun, ServiceRun
+from models.patterns.supervisor import Supervisor
+from models.patterns.train import T, runs
+from safety import PROVED, REFUTED, Bit, Scenario, Seen, claim, implies
+
+PLAIN = ("guard.b_s", "guard.t_s")
+ABOUT: dict[str, Any] = {"requirement": "SP-P3", "source": "[D] conservative ceiling; [A] cycle, budget, hysteresis"}
+
+
+def stop_fits(s: Seen) -> Bit:
+    """With the time left until the brake acts, the train accelerating until then, the stop fits."""
+    return s.fits
+
+
+def within_budget(s: Seen) -> Bit:
+    """The time left until the brake acts is within the budget."""
+    return s.budgeted
+
+
+def in_order(s: Seen) -> Bit:
+    """The train's stop fits at power-up, and it does not run backwards."""
+    return s.fits & s.budgeted & (s["train.v"] >= 0)
+
+
+def from_rest(acceleration: Fraction, late: int) -> Scenario:
+    """From a standstill where the ceiling is just kept: traction until the brake acts, `late` cycles late."""
+    reacting = int(T_SERVICE / T) - 1 + late
+    reached, moving = runs(Fraction(0), [acceleration] * reacting + [-B_SERVICE] * 40)
+    x = ACCELERATION * T_SERVICE**2 / 2 + distance(ACCELERATION * T_SERVICE, B_SERVICE, Fraction(0))
+    inputs = {"reached": reached.__getitem__, "moving": moving.__getitem__}
+    return Scenario(reacting + 40, inputs, {"train.v": Fraction(0), "train.x": x, "brake.left": 2 * T})
+
+
+PROOF: dict[str, Any] = ABOUT | {"expect": PROVED, "start": in_order, "lemmas": [stop_fits, within_budget]}
+REFUTATION: dict[str, Any] = ABOUT | {"expect": REFUTED, "start": in_order, "steps": 4}
+
+
+@claim(ServiceRun, symbolic=("guard.a", "guard.h"), **PROOF)
+def service_brake_keeps_the_point(s: Seen) -> Bit:
+    """A train under its service brake never passes the protected point."""
+    return s["train.x"] >= 0
+
+
+@claim(EmergencyRun, symbolic=("guard.t_e",), **PROOF)
+def emergency_brake_keeps_the_point(s: Seen) -> Bit:
+    """A train under its emergency brake alone never passes the protected point."""
+    return s["train.x"] >= 0
+
+
+@claim(WithoutTraction, symbolic=PLAIN, **PROOF)
+def plain_ceiling_keeps_the_point_without_traction(s: Seen) -> Bit:
+    """Under the plain ceiling a train that has no traction never passes the protected point."""
+    return s["train.x"] >= 0
+
+
+@claim(PlainRun, twin_of=plain_ceiling_keeps_the_point_without_traction, **REFUTATION)
+def plain_ceiling_keeps_the_point(s: Seen) -> Bit:
+    """Under the plain ceiling a train never passes the protected point.  False: it accelerates until the brake acts."""
+    return s["train.x"] >= 0
+
+
+@claim(ServiceRun, twin_of=service_brake_keeps_the_point, **REFUTATION | {"start": None})
+def keeps_the_point_wherever_it_starts(s: Seen) -> Bit:
+    """The same wherever the train is at power-up.  False: it may be too near already."""
+    return s["train.x"] >= 0
+
+
+@claim(LowerSpeedRun, twin_of=service_brake_keeps_the_point, **REFUTATION)
+def keeps_the_point_by_the_lower_speed(s: Seen) -> Bit:
+    """The same with the lower end of the speed's interval compared.  False: the train may be faster."""
+    return s["train.x"] >= 0
+
+
+@claim(FartherPointRun, twin_of=service_brake_keeps_the_point, **REFUTATION)
+def keeps_the_point_by_the_farther_end(s: Seen) -> Bit:
+    """The same with the upper end of the distance's interval compared.  False: the point may be nearer."""
+    return s["train.x"] >= 0
+
+
+@claim(NoFreeRunRun, twin_of=service_brake_keeps_the_point, **REFUTATION)
+def keeps_the_point_without_free_run(s: Seen) -> Bit:
+    """The same with a ceiling that leaves the free run out.  False: the brake comes too late."""
+    return s["train.x"] >= 0
+
+
+@claim(ClampedRun, twin_of=service_brake_keeps_the_point, **REFUTATION)
+def keeps_the_point_under_a_clamped_ceiling(s: Seen) -> Bit:
+    """The same with a ceiling below 0 taken as 0.  False: a train that stands may start towards the point."""
+    return s["train.x"] >= 0
+
+
+@claim(WeakBrake, twin_of=service_brake_keeps_the_point, **REFUTATION)
+def keeps_the_point_with_a_weak_brake(s: Seen) -> Bit:
+    """The same with a brake that gives less than is guaranteed.  False."""
+    return s["train.x"] >= 0
+
+
+@claim(StrongTraction, twin_of=service_brake_keeps_the_point, **ABOUT, expect=REFUTED, start=in_order,
+       scenario=from_rest(ACCELERATION * Fraction(11, 10), 0))  # fmt: skip
+def keeps_the_point_under_stronger_traction(s: Seen) -> Bit:
+    """The same with more acceleration than is assumed.  False."""
+    return s["train.x"] >= 0
+
+
+@claim(SlowBrake, twin_of=service_brake_keeps_the_point, **ABOUT, expect=REFUTED, start=in_order,
+       scenario=from_rest(ACCELERATION, 2))  # fmt: skip
+def keeps_the_point_with_a_slow_brake(s: Seen) -> Bit:
+    """The same with a brake that takes two cycles more than the budget.  False."""
+    return s["train.x"] >= 0
+
+
+@claim(TruthOutside, twin_of=service_brake_keeps_the_point, **REFUTATION)
+def keeps_the_point_with_the_truth_outside(s: Seen) -> Bit:
+    """The same with intervals that need not contain the truth.  False."""
+    return s["train.x"] >= 0
+
+
+# --- release and warning ---------------------------------------------------------------------------------------------
+
+
+@claim(Supervisor, expect=PROVED, requirement="SP-P3", source="[A] hysteresis 2 km/h")
+def released_well_below_the_ceiling(s: Seen) -> Bit:
+    """When the service brake is released, the ceiling would permit 2 km/h more."""
+    higher = permits_accelerating(s.seen.v_hi + HYSTERESIS, s.seen.x_lo, B_SERVICE, T_SERVICE, ACCELERATION)
+    return implies(s.braking & ~s.service, higher)
+
+
+@claim(NoHysteresis, expect=REFUTED, requirement="SP-P3", source="[A]", steps=2,
+       twin_of=released_well_below_the_ceiling)  # fmt: skip
+def released_well_below_the_ceiling_without_hysteresis(s: Seen) -> Bit:
+    """The same where the brake is released at the ceiling.  False: it would come and go from cycle to cycle."""
+    higher = permits_accelerating(s.seen.v_hi + HYSTERESIS, s.seen.x_lo, B_SERVICE, T_SERVICE, ACCELERATION)
+    return implies(s.braking & ~s.service, higher)
+
+
+@claim(Supervisor, expect=PROVED, requirement="SP-P3", source="[A] latched to standstill and acknowledgement")
+def emergency_is_kept_to_standstill(s: Seen) -> Bit:
+    """The emergency brake is released only at a standstill that the driver has acknowledged."""
+    return implies(s.latched & ~s.emergency, (s.seen.v_hi <= 0) & s.seen.acknowledged)
+
+
+@claim(Supervisor, expect=REFUTED, requirement="SP-P3", source="[A]", steps=2, twin_of=emergency_is_kept_to_standstill)
+def emergency_is_kept_for_ever(s: Seen) -> Bit:
+    """The emergency brake is never released.  False: at an acknowledged standstill it is."""
+    return implies(s.latched, s.emergency)
+
+
+@claim(Supervisor, expect=PROVED, requirement="SP-P5", source="[A] warning 5 s")
+def the_brake_never_comes_unwarned(s: Seen) -> Bit:
+    """Where the ceiling is exceeded, there is a warning, too."""
+    return implies((s.seen.v_hi >= 0) & s.over, s.warning)
+
+
+@claim(Supervisor, expect=REFUTED, requirement="SP-P5", source="[A]", steps=1, twin_of=the_brake_never_comes_unwarned)
+def a_warning_never_comes_without_the_brake(s: Seen) -> Bit:
+    """Where there is a warning, the brake is asked for, too.  False: it comes first."""
+    return implies(s.warning, s.service)

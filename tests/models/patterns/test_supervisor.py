@@ -1,0 +1,43 @@
+"""The supervised train: its claims, the budget, the states."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+import pytest
+
+from models.patterns.supervised import ServiceRun
+from models.patterns.supervisor import Supervisor
+from proofs import patterns_supervisor as proofs
+from safety import PROVED, ModelError, run
+from safety.prove.claims import registered
+from safety.prove.prove import prove
+from safety.tracing import trace
+
+CLAIMS = {c.id: c for c in registered() if c.id.startswith(f"{proofs.__name__.partition('.')[2]}.")}
+
+
+@pytest.mark.parametrize("name", CLAIMS)
+def test_verdict(name: str) -> None:
+    found = prove(CLAIMS[name])
+    assert found.as_expected, found.why
+    assert found.verdict != PROVED or found.agreed_by == ["z3", "cvc5"]
+
+
+def test_a_budget_that_is_too_short_is_refused() -> None:
+    with pytest.raises(ModelError, match=r"guard.t_s = 1/5 s lies outside .* nearest admissible value is 3/10"):
+        trace(ServiceRun, {"guard.t_s": Fraction(1, 5)})
+
+
+def seen(v: int, x: int, acknowledged: bool = False) -> dict[str, object]:
+    ends = {"v_lo": v, "v_hi": v, "x_lo": x, "x_hi": x, "acknowledged": acknowledged}
+    return {f"seen.{name}": value for name, value in ends.items()}
+
+
+def test_free_warning_brake_and_emergency_in_turn() -> None:
+    """At 20 m/s towards the point; then at standstill before it, with the emergency brake acknowledged."""
+    rows = [seen(20, x) for x in (700, 500, 350, 200)] + [seen(0, 100), seen(0, 100, True)]
+    found = run(Supervisor, rows, len(rows))
+    assert found["warning"] == [False, True, True, True, False, False]
+    assert found["service"] == [False, False, True, True, False, False]
+    assert found["emergency"] == [False, False, False, True, True, False]
