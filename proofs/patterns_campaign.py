@@ -25,7 +25,6 @@ from models.kinematics import ACCELERATION, mps
 from models.patterns.detectors import Found
 from models.patterns.equipment import Equipment
 from models.patterns.failures import ADDED, ASSUMED_RATES, TABLE, Mode, component_faults
-from proofs import patterns_hazards as hazards
 from proofs.patterns_hazards import CHECKED, PLAIN_ONES
 from proofs.patterns_rides import STEPS, STRIKE, approach, start
 from safety.inject import Campaign, Counts, Group, Runs
@@ -64,7 +63,7 @@ SETTINGS: Mapping[str, Mapping[str, Any]] = {
 }  # fmt: skip
 
 
-def singles(name: str, ride: str, expect: Expect, **more: Any) -> Campaign:
+def singles(name: str, ride: str, expect: Expect) -> Campaign:
     """Each mode by itself in a plain equipment, under a ride."""
     equipment = PLAIN_ONES[name].equipment
     return Campaign(
@@ -74,7 +73,7 @@ def singles(name: str, ride: str, expect: Expect, **more: Any) -> Campaign:
         measured=STEPS,
         observe={"passes": lambda wires: wires["passed"] & wires["stop"], "free": lambda wires: ~wires["brake.on"]},
         wrong_side=passes, safe_side=brakes_more, detected=never,
-        faults=list(groups(equipment, TABLE)), expect=expect, **more,
+        faults=list(groups(equipment, TABLE)), expect=expect,
     )  # fmt: skip
 
 
@@ -91,10 +90,6 @@ def found(name: str, expect: Expect) -> Campaign:
     )  # fmt: skip
 
 
-PASSES = {
-    "point": hazards.passes_by_point, "magnet": hazards.passes_by_magnet, "continuous": hazards.passes_by_code,
-    "combined": hazards.passes_by_both, "program": hazards.passes_by_program,
-}  # fmt: skip
 FOUND: Mapping[str, Mapping[str, tuple[int, int, int]]] = {  # safe, wrong, without effect
     "stop": {
         "point": (4, 9, 2),
@@ -140,14 +135,14 @@ def counted(ride: str, name: str) -> Expect:
     return dict(zip(("safe", "dangerous_undetected", "no_effect"), FOUND[ride][name], strict=True))
 
 
-STOP = {name: singles(name, "stop", counted("stop", name), proofs=(PASSES[name],)) for name in PLAIN_ONES}
+STOP = {name: singles(name, "stop", counted("stop", name)) for name in PLAIN_ONES}
 ELSEWHERE = {
     (ride, name): singles(name, ride, counted(ride, name))
     for ride in ("power", "clear", "downgrade", "restriction")
     for name in FOUND[ride]
 }
 PAIRS = {
-    name: replace(one, id=f"patterns_{name}_pairs", order=2, proofs=(), expect=counted("pairs", name),
+    name: replace(one, id=f"patterns_{name}_pairs", order=2, expect=counted("pairs", name),
                   faults=[replace(fault, at=STRIKE) for fault in component_faults(PLAIN_ONES[name].equipment)])
     for name, one in STOP.items()
 }  # fmt: skip

@@ -152,6 +152,8 @@ def passes(protection: Protection, by: str, **more: Any) -> Formula:
     """Declare the hazard for an equipment."""
     equipment = protection.equipment
     rows = (*TABLE, *ADDED) if equipment.checked else TABLE
+    faults = component_faults(equipment, rows)
+    names = {fault.name for fault in faults}
 
     def formula(s: Seen) -> Bit:
         holds: Bit = s.passed
@@ -160,10 +162,10 @@ def passes(protection: Protection, by: str, **more: Any) -> Formula:
     formula.__doc__ = f"With {by}, the signal at stop and nobody acknowledging, the train passes the protected point."
     orders = [len(one) for one in protection.cut_sets]
     return hazard(
-        equipment, faults=component_faults(equipment, rows), scenarios=to_the_stop(equipment),
+        equipment, faults=faults, scenarios=to_the_stop(equipment),
         lemmas=protection.lemmas(), given=at_stop(protection), start=approaching(protection),
         requirement="SP-F1", source="[A] fault table, section 6", hours="10000",
-        rates={row.name: (row.rate, ASSUMED_RATES) for row in rows},
+        rates={row.name: (row.rate, ASSUMED_RATES) for row in rows if row.name in names},
         expect={n: orders.count(n) for n in sorted(set(orders))}, **more,
     )(named(f"passes_by_{equipment.__name__}", formula))  # fmt: skip
 

@@ -1,9 +1,8 @@
 """Discrete-time supervisor on the model: a supervised train never passes the protected point.
 
 By induction over the train's speed and distance as reals, for every motion within each cycle and every width of the
-intervals; the service brake for every acceleration and hysteresis, the emergency brake for every budget, the plain
-ceiling for all brakes and budgets in their ranges.  The lemma is the conservative ceiling with the
-time that is left until the brake acts; `kinematics_cycle` has one cycle of it as laws, for all parameters.
+intervals, at the parameters of the model.  The lemma is the conservative ceiling with the time that is left until the
+brake acts; `kinematics_cycle` has one cycle of it as laws, for all parameters.
 Source: speed patterns, discrete-time supervisor and properties SP-P3, AV-1 [D]; cycle, budget, hysteresis [A].
 
 Main results: service and emergency brake are each enough; each slip of the equipment, and each broken promise of the
@@ -34,7 +33,6 @@ from models.patterns.supervisor import Supervisor
 from models.patterns.train import T, runs
 from safety import PROVED, REFUTED, Bit, Scenario, Seen, claim, implies
 
-PLAIN = ("guard.b_s", "guard.t_s")
 ABOUT: dict[str, Any] = {"requirement": "SP-P3", "source": "[D] conservative ceiling; [A] cycle, budget, hysteresis"}
 
 
@@ -66,19 +64,19 @@ PROOF: dict[str, Any] = ABOUT | {"expect": PROVED, "start": in_order, "lemmas": 
 REFUTATION: dict[str, Any] = ABOUT | {"expect": REFUTED, "start": in_order, "steps": 4}
 
 
-@claim(ServiceRun, symbolic=("guard.a", "guard.h"), **PROOF)
+@claim(ServiceRun, **PROOF)
 def service_brake_keeps_the_point(s: Seen) -> Bit:
     """A train under its service brake never passes the protected point."""
     return s["train.x"] >= 0
 
 
-@claim(EmergencyRun, symbolic=("guard.t_e",), **PROOF)
+@claim(EmergencyRun, **PROOF)
 def emergency_brake_keeps_the_point(s: Seen) -> Bit:
     """A train under its emergency brake alone never passes the protected point."""
     return s["train.x"] >= 0
 
 
-@claim(WithoutTraction, symbolic=PLAIN, **PROOF)
+@claim(WithoutTraction, **PROOF)
 def plain_ceiling_keeps_the_point_without_traction(s: Seen) -> Bit:
     """Under the plain ceiling a train that has no traction never passes the protected point."""
     return s["train.x"] >= 0

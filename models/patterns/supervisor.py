@@ -70,9 +70,8 @@ class Supervisor(Model, tick_s=TICK):
         v, x = self.compared(seen)
         over = point("over", self.above(v, x, self.b_s, self.t_s))
         braking = over | (self.braking & ~self.releases(v, x))
-        latched = point("over_emergency", self.above(v, x, self.b_e, self.t_e)) | (
-            self.latched & ~((seen.v_hi == 0) & seen.acknowledged)
-        )
+        freed = (seen.v_hi == 0) & seen.acknowledged
+        latched = point("over_emergency", self.above(v, x, self.b_e, self.t_e)) | (self.latched & ~freed)
         warning = self.above(v, x, self.b_s, self.t_s + self.t_w)
         return type(self)(braking=braking, latched=latched), Lines(braking, latched, warning)
 
@@ -82,10 +81,8 @@ class Supervisor(Model, tick_s=TICK):
 
     def above(self, v: Real, x: Real, b: Real, t: Real) -> Bit:
         """Whether the ceiling is exceeded."""
-        found: Bit = intervenes_accelerating(v, x, b, t, self.a)
-        return found
+        return intervenes_accelerating(v, x, b, t, self.a)
 
     def releases(self, v: Real, x: Real) -> Bit:
         """Whether the service brake may be released."""
-        found: Bit = permits_accelerating(v + self.h, x, self.b_s, self.t_s, self.a)
-        return found
+        return permits_accelerating(v + self.h, x, self.b_s, self.t_s, self.a)

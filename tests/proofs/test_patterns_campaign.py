@@ -88,7 +88,7 @@ def test_a_wrong_side_mode_that_the_lemmas_forget_is_noticed() -> None:
 def test_a_pattern_without_its_reaction_time_is_caught_by_a_run(monkeypatch: pytest.MonkeyPatch) -> None:
     """The bug planted: the comparator looks at the speed of the present cycle alone, without free run."""
     monkeypatch.setattr("models.patterns.stored_pattern.REACTION", 0)
-    planted = replace(campaigns.STOP["point"], id="patterns_planted", expect=None, proofs=())
+    planted = replace(campaigns.STOP["point"], id="patterns_planted", expect=None)
     with pytest.raises(CampaignError, match="fault-free run"):
         planted.inject()
 
