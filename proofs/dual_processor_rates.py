@@ -14,6 +14,7 @@ from fractions import Fraction
 from proofs.dual_processor_hazards import PAIRS, RATES, SINGLES
 from safety.rates.claims import printed, rate
 from safety.rates.enclosure import Enclosure
+from safety.rates.exponential import chance
 from safety.rates.markov import Chain, mean_time
 from safety.rates.units import quantity
 from safety.trees import BasicEvent, FaultTree, from_cut_sets, solve
@@ -40,14 +41,8 @@ def share_of_both() -> Fraction:
 
 
 def within(rate_per_h: Fraction, hours: Fraction) -> Enclosure:
-    """1 - exp(-x), x below 1, between two partial sums of its alternating series."""
-    x = rate_per_h * hours
-    sums, total, term = [Fraction(0)], Fraction(0), Fraction(-1)
-    for k in range(1, 13):
-        term *= -x / k
-        total += term
-        sums.append(total)
-    return Enclosure(min(sums[-2:]), max(sums[-2:]))
+    """Probability of what comes at a rate, within some hours."""
+    return Enclosure(*chance(rate_per_h * hours))
 
 
 def second_within_the_window() -> Enclosure:

@@ -20,6 +20,7 @@ from proofs.patterns_hazards import CHECKED, PLAIN_ONES, Protection
 from safety.exhibits import Column, Row, table
 from safety.rates.claims import rate
 from safety.rates.enclosure import Enclosure
+from safety.rates.exponential import chance
 from safety.rates.units import quantity
 from safety.trees import BasicEvent, FaultTree, from_cut_sets, solve
 
@@ -45,15 +46,6 @@ def tree(protection: Protection) -> FaultTree:
     names = dict.fromkeys(name for one in protection.cut_sets for name in one)
     events = [BasicEvent(name, None, RATES[name], HOURS.value, ASSUMED_RATES, "A") for name in names]
     return from_cut_sets("the train passes the protected point", protection.cut_sets, events)
-
-
-def chance(x: Fraction) -> tuple[Fraction, Fraction]:
-    """1 - exp(-x), x below 1, between two partial sums of its alternating series."""
-    total, before, term = Fraction(0), Fraction(0), Fraction(-1)
-    for k in range(1, 13):
-        term *= -x / k
-        total, before = total + term, total
-    return min(total, before), max(total, before)
 
 
 def in_closed_form(cut_sets: Sequence[tuple[str, ...]]) -> Enclosure:

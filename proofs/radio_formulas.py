@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from models.kinematics import CYCLE, stops_accelerating
+from models.radio.ride import CHANNELS
 from safety import Bit, Seen, all_of, implies
 
 Formula = Callable[[Seen], Bit]
@@ -45,6 +46,7 @@ class Pair:
         of_all = (
             self.known_is_past,
             self.request_is_past,
+            self.carried_out_is_known,
             self.taken_is_past,
             self.leader_rolls_back_within,
             self.known_is_true,
@@ -53,7 +55,8 @@ class Pair:
             self.request_is_counted_on,
         )
         of_one = (self.report_is_past, self.report_is_true, self.authority_is_past, self.authority_is_in_force,
-                  self.authority_is_as_asked, self.echo_is_true)  # fmt: skip
+                  self.authority_is_as_asked, self.echo_is_true,
+                  self.order_is_open, self.receipt_is_true)  # fmt: skip
         return [*of_all, *(_of_message(lemma, name) for lemma in of_one for name in SLOTS)]
 
     def known_is_past(self, s: Seen) -> Bit:
@@ -90,7 +93,8 @@ class Pair:
 
     def report_is_true(self, s: Seen, name: str) -> Bit:
         m = self.slot(s, "reports", name)
-        return implies(m.sent_at > s[self.follower].cell.known_stamp, m.says <= s[self.leader].furthest)
+        cell = s[self.follower].cell
+        return implies(~cell.backing & (m.sent_at > cell.known_stamp), m.says <= s[self.leader].furthest)
 
     def authority_is_past(self, s: Seen, name: str) -> Bit:
         return all_of(self.slot(s, "authorities", name).sent_at < s[self.now])
@@ -106,6 +110,18 @@ class Pair:
     def echo_is_true(self, s: Seen, name: str) -> Bit:
         return all_of(self.slot(s, "echoes", name).sent_at <= s[self.follower].driven.unit.stamp)
 
+    def carried_out_is_known(self, s: Seen) -> Bit:
+        f = s[self.follower]
+        return all_of(f.setting_back.stamp <= f.cell.known_stamp)
+
+    def order_is_open(self, s: Seen, name: str) -> Bit:
+        m, f = self.slot(s, "orders", name), s[self.follower]
+        is_it = (m.sent_at == f.cell.known_stamp) & (m.says == f.cell.known)
+        return implies(m.sent_at > f.setting_back.stamp, f.cell.backing & is_it)
+
+    def receipt_is_true(self, s: Seen, name: str) -> Bit:
+        return all_of(self.slot(s, "receipts", name).sent_at <= s[self.follower].setting_back.stamp)
+
     def keeps_its_authority(self, s: Seen) -> Bit:
         """What `radio_authority.stays_within_its_authority` proves of a supervised train, whatever messages come."""
         return within_authority(s[self.follower].driven)
@@ -114,8 +130,8 @@ class Pair:
         """Power-up: nothing is on its way but what was sent before, and all of it is true."""
         f, leader, now = s[self.follower], s[self.leader], s[self.now]
         cell, unit = f.cell, f.driven.unit
-        reports, authorities, echoes = (
-            [self.slot(s, channel, name) for name in SLOTS] for channel in ("reports", "authorities", "echoes")
+        reports, authorities, echoes, orders, receipts = (
+            [self.slot(s, channel, name) for name in SLOTS] for channel in CHANNELS
         )
         return all_of(
             *(m.sent_at < now for m in (*reports, *authorities, *echoes)),
@@ -124,6 +140,8 @@ class Pair:
             *(m.says <= cell.known for m in reports),
             cell.in_force + cell.allowance + cell.margin <= cell.known, unit.limit <= cell.in_force,
             *(m.says <= unit.limit for m in authorities), *(m.sent_at <= unit.stamp for m in echoes),
+            *(m.sent_at <= f.setting_back.stamp for m in (*orders, *receipts)),
+            f.setting_back.stamp <= cell.known_stamp,
         )  # fmt: skip
 
     def allowed_for(self, s: Seen) -> Bit:

@@ -27,6 +27,7 @@ from safety.inject.fmeda import Row
 from safety.inject.result import Result
 from safety.rates.claims import Target, printed, rate
 from safety.rates.enclosure import Enclosure, Estimate
+from safety.rates.exponential import chance
 from safety.rates.inverse import solve_decreasing
 from safety.rates.markov import Chain, mean_time
 from safety.rates.two_out_of_three import FAILED, chain, channel_rate_for, common_rate_for, mttf
@@ -246,21 +247,17 @@ def tree() -> FaultTree:
     return from_cut_sets("overspeed without brake", cut_sets(), events)
 
 
-def chance(mode: str) -> tuple[Fraction, Fraction]:
-    """1 - exp(-rate x hours) between two partial sums of its alternating series."""
-    x, total, term = Fraction(COMPONENTS[mode]) * HOURS.value, Fraction(0), Fraction(-1)
-    for k in range(1, 13):
-        term *= -x / k
-        total, before = total + term, total
-    return min(total, before), max(total, before)
+def failed(mode: str) -> tuple[Fraction, Fraction]:
+    """Probability that a mode has come within the hours, between two ends."""
+    return chance(Fraction(COMPONENTS[mode]) * HOURS.value)
 
 
 def too_fast_and_no_brake(end: int) -> Fraction:
     """The probability in closed form, from the lower (0) or upper (1) ends of the single ones."""
-    unseen = math.prod(chance(mode)[end] for mode in UNSEEN)
-    silent = 1 - math.prod(1 - chance(mode)[end] for mode in SILENCING) * (1 - unseen)
+    unseen = math.prod(failed(mode)[end] for mode in UNSEEN)
+    silent = 1 - math.prod(1 - failed(mode)[end] for mode in SILENCING) * (1 - unseen)
     two_silent = 3 * silent**2 - 2 * silent**3
-    return 1 - math.prod(1 - chance(mode)[end] for mode in SINGLES) * (1 - two_silent)
+    return 1 - math.prod(1 - failed(mode)[end] for mode in SINGLES) * (1 - two_silent)
 
 
 rate(

@@ -20,6 +20,7 @@ from proofs.two_counter_parts import INVENTED, mode_rate
 from safety.inject import Campaign
 from safety.rates.claims import rate
 from safety.rates.enclosure import Enclosure
+from safety.rates.exponential import chance
 from safety.rates.units import quantity
 from safety.trees import BasicEvent, FaultTree, from_cut_sets, solve
 
@@ -68,15 +69,6 @@ def tree() -> FaultTree:
         "overspeed without brake", sets,
         [BasicEvent(name, None, RATES[name], HOURS.value, INVENTED, "A") for name in names],
     )  # fmt: skip
-
-
-def chance(x: Fraction) -> tuple[Fraction, Fraction]:
-    """1 - exp(-x), x below 1, between two partial sums of its alternating series."""
-    total, before, term = Fraction(0), Fraction(0), Fraction(-1)
-    for k in range(1, 13):
-        term *= -x / k
-        total, before = total + term, total
-    return min(total, before), max(total, before)
 
 
 def top_event(end: int) -> Fraction:

@@ -6,23 +6,26 @@
     timetable -- station stop -------------------------------------> |
 
 Both brake lines hold the brake off: dead lines brake, so loss of supply or of the program's cycle brakes at once.  A
-balise whose shift is neither that of stop nor that of proceed is read as stop.  A stop balise that cannot be assigned,
-because the position is not sure or the line data do not have it, and the loss of a sure position, make the pattern for
-the shortest distance on the line.  A balise passed in a cycle counts as at that cycle's beginning.
-Source: architecture, pattern set [P]; line data of one home signal, rules in detail [A].
+balise whose shift is neither that of stop nor that of proceed is read as stop.  The line data have the target of each
+balise: one of the home signal makes and ends its pattern, one of the turnout that of the turnout.  A balise at stop, or
+of a diverging route, that cannot be assigned to either, because the position is not sure, or the line data do not have
+it or have it for another target, and the loss of a sure position, make the pattern for the shortest distance on the
+line.  A balise may be passed anywhere in a cycle.
+Source: architecture, pattern set [P]; line data of one home signal and one turnout, rules in detail [A].
 """
 
 from __future__ import annotations
 
 from typing import NamedTuple, Self
 
+from models.ats.nearest import nearest
 from models.ats.overrun import StationStop
-from models.ats.phase import Phase, PhaseReceiver
+from models.ats.phase import Phase, PhaseReceiver, Told
 from models.ats.supervision import PLACES, Events, Orders, Supervision
-from models.position.correction import BRANCH, RELEASE, SIGNAL, Matched
-from models.position.locator import Locator
+from models.position.correction import BRANCH, REFERENCE, RELEASE, SIGNAL, Entry, Matched
+from models.position.locator import Sighted, UnstampedLocator
 from models.position.odometer import Fix, step_s
-from safety import U2, Bit, Model, Real, bit, parameter, point, power_up, require
+from safety import U2, Bit, Model, Real, any_of, bit, parameter, point, power_up, real, require
 
 
 class Shift(NamedTuple):
@@ -84,43 +87,101 @@ class Outputs(NamedTuple):
     display: Bit  # a pattern acts
 
 
+class Home(Supervision, tick_s=step_s):
+    """Supervision on the stretch that is assumed here."""
+
+    signal_at: Real = parameter(1600, unit="m", within=PLACES, source="[A] line data: home signal")
+    switch_at: Real = parameter(1700, unit="m", within=PLACES, source="[A] line data: first facing switch")
+    switch_clear: Real = parameter(1800, unit="m", within=PLACES, source="[A] line data: end of the turnout")
+    mark_at: Real = parameter(3000, unit="m", within=PLACES, source="[A] line data: stop mark")
+
+
+class HomeSection(PhaseReceiver, tick_s=step_s):
+    """The receiver of the section before that signal."""
+
+    begins: Real = parameter(1000, unit="m", within=PLACES, source="[A] line data: entry joint")
+    ends: Real = parameter(1600, unit="m", within=PLACES, source="[A] line data: joint at the signal")
+
+
+TARGET = "[A] line data: place of the signal, or first facing switch, that the balise is for"
+
+
 class Assigned(Model, tick_s=step_s):
-    """The line data of one home signal, its release and branch balises: which target a balise is for."""
+    """The balises, and which of them are those of the home signal and of the turnout."""
 
-    crossing_at: Real = parameter(1100, unit="m", within=PLACES, source="[A] line data: level crossing")
+    locator: UnstampedLocator
+    sp: Home
+    target_a: Real = parameter(1600, unit="m", within=PLACES, source=TARGET)
+    target_b: Real = parameter(2600, unit="m", within=PLACES, source=TARGET)
+    target_c: Real = parameter(3600, unit="m", within=PLACES, source=TARGET)
+    target_d: Real = parameter(4600, unit="m", within=PLACES, source=TARGET)
 
-    def told(self, read: Reading, matched: Matched, released: Bit) -> Events:
+    def lines(self) -> dict[str, tuple[Entry, Real]]:
+        """Each balise of the line data with its target."""
+        targets = (self.target_a, self.target_b, self.target_c, self.target_d)
+        return {n: (e, t) for n, e, t in zip("abcd", self.locator.correction.data.stored(), targets, strict=True)}
+
+    def check(self) -> None:
+        """Refuse line data in which a balise is no farther from its target than the shortest distance says."""
+        for name, (balise, target) in self.lines().items():
+            far = (balise.kind == REFERENCE) | (target - balise.place >= self.sp.shortest)
+            require(f"balise {name} is at the shortest distance from its target, or farther out", far,
+                    nearest(f"target_{name}", balise.place + self.sp.shortest, "m"))  # fmt: skip
+        for name, (balise, target) in self.lines().items():
+            turnout = (balise.kind != BRANCH) | (target != self.sp.signal_at)
+            require(f"branch balise {name} is for a turnout", turnout, nearest(f"target_{name}", self.sp.switch_at, "m"))
+        ours = any_of(*((e.kind == SIGNAL) & (target == self.sp.signal_at) for e, target in self.lines().values()))
+        require("a signal balise is for the home signal", ours, nearest("signal_at", self.target_a, "m"))
+
+    def told(self, read: Reading, matched: Matched, phase: Told) -> Events:
         """A reading assigned to the targets."""
-        mine, off = read.seen & matched.adopted, bit(False)
-        signal = read.seen & (read.kind == SIGNAL)
+        off, announces = bit(False), (read.kind == SIGNAL) | (read.kind == RELEASE)
+        home = read.seen & announces & self.is_for(self.sp.signal_at, matched)
+        branch = read.seen & (read.kind == BRANCH) & self.is_for(self.sp.switch_at, matched)
         return Events(
-            stop_read=mine & signal & read.stop, clear_read=mine & signal & ~read.stop,
-            release_read=mine & (read.kind == RELEASE) & ~read.stop, phase_released=released,
-            branch_read=mine & (read.kind == BRANCH) & read.stop,
-            stray_stop=signal & read.stop & ~matched.adopted, station_made=off, station_ended=off, reset=off,
+            stop_read=(home & read.stop) | phase.stop, clear_read=home & (read.kind == SIGNAL) & ~read.stop,
+            release_read=home & (read.kind == RELEASE) & ~read.stop, phase_released=phase.proceed,
+            branch_read=branch & read.stop, station_made=off, station_ended=off, reset=off,
+            stray_stop=read.seen & (read.kind != REFERENCE) & read.stop & ~home & ~branch,
         )  # fmt: skip
+
+    def is_for(self, place: Real, matched: Matched) -> Bit:
+        """Whether the balise that was matched is for the target there."""
+        return matched.adopted & any_of(
+            *((matched.fix.place == e.place) & (target == place) for e, target in self.lines().values())
+        )
+
+
+class AnySignal(Assigned, tick_s=step_s):
+    """The variant to be refuted: each balise that is matched is one of these targets'."""
+
+    def is_for(self, place: Real, matched: Matched) -> Bit:
+        """Whatever the line data say."""
+        return matched.adopted
 
 
 class AtsSp(Assigned, tick_s=step_s):
     """The set for one home signal and one station."""
 
     coil: Coil
-    locator: Locator
-    receiver: PhaseReceiver
+    receiver: HomeSection
     station: StationStop
-    sp: Supervision
+    crossing_at: Real = parameter(3100, unit="m", within=PLACES, source="[A] line data: level crossing")
     sure: Bit = power_up(False)  # the position was reliable at the last cycle
 
     def step(self, shift: Shift, pulses: Real, code: Fix, phase: Phase, inputs: Inputs) -> tuple[Self, Outputs]:
         """One cycle: a balise, pulses a second, what a code told, the phase, and the rest."""
         require("the stop mark lies before the crossing", self.sp.mark_at < self.crossing_at,
-                nearest="a mark before crossing_at")  # fmt: skip
+                nearest("mark_at", self.crossing_at, "m", "any below"))  # fmt: skip
+        require("the section ends at the signal, or before", self.receiver.ends <= self.sp.signal_at,
+                nearest("receiver.ends", self.sp.signal_at, "m"))  # fmt: skip
+        self.check()
         coil, read = self.coil.step(shift)
-        locator, located = self.locator.step(pulses, read.seen, read.kind, code)
+        locator, located = self.locator.step(pulses, Sighted(read.seen, read.kind, real(0)), code)
         where, sure = located.position, located.matched.reliable
-        receiver, released = self.receiver.step(phase, where)
+        receiver, heard = self.receiver.step(phase, where)
         station, stop = self.station.step(inputs.timetable_stop, sure, where, self.sp.mark_at)
-        told = self.told(read, located.matched, released & sure)
+        told = self.told(read, located.matched, Told(heard.proceed & sure, heard.stop & sure))
         stray = told.stray_stop | (self.sure & ~sure)
         events = told._replace(stray_stop=stray, station_made=stop.made, station_ended=stop.ended, reset=inputs.reset)
         sp, orders = self.sp.step(events, where)
@@ -136,6 +197,10 @@ def outputs(orders: Orders, inputs: Inputs, sp: Supervision, sure: Bit) -> Outpu
         point("service_line", alive & ~orders.service), point("emergency_line", alive & ~orders.emergency),
         point("loop", sp.station.target.active & ~inputs.departing & sure), point("display", patterns),
     )  # fmt: skip
+
+
+class AnySignalCounts(AnySignal, AtsSp, tick_s=step_s):
+    """The set that takes each balise that it matches for one of its targets'."""
 
 
 class UnknownProceeds(AtsSp, tick_s=step_s):

@@ -18,6 +18,7 @@ from __future__ import annotations
 from fractions import Fraction
 from typing import NamedTuple, Self
 
+from models.ats.nearest import nearest
 from models.kinematics import B_SERVICE, Interval, mps, refuse, root
 from safety import ANY, Bit, Model, Real, assume, parameter, point, power_up, require, select
 
@@ -97,8 +98,8 @@ class OnTheLine(Model, event="a change of its inputs"):
 
     def moved(self, elapsed: Real, way: Real, reached: Real) -> Real:
         """Where the head is after `way`; what the line and the train allow is assumed."""
-        require("the stop mark lies between start point and crossing", (self.mark > 0) & (self.mark < self.start),
-                nearest="a mark nearer to the crossing than the start point")  # fmt: skip
+        require("the stop mark lies between start point and crossing", self.mark < self.start,
+                nearest("mark", self.start, "m before the crossing", "any below"))  # fmt: skip
         head = self.head + way
         assume("the train runs forward", (elapsed >= 0) & (way >= 0) & (reached >= 0))
         assume("no faster than the line speed", (reached <= self.v_max) & (way <= self.v_max * elapsed))

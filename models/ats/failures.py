@@ -13,13 +13,14 @@ Source: components, modes, directions of the table [A]; sizes (1 pulse in 20, 10
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Mapping, Sequence
 from fractions import Fraction
 from typing import NamedTuple
 
 from models.kinematics import B_SERVICE
 from safety import (
     ANY_TIME,
+    INTERMITTENT,
     TRANSIENT,
     Fault,
     byzantine,
@@ -71,6 +72,43 @@ class Mode(NamedTuple):
 def at(kind: Kind, *points: str) -> Fault:
     """A fault from the start of the run."""
     return Fault(kind, points)
+
+
+def rows_of(points: Collection[str], places: Mapping[str, str] | None = None) -> list[Fault]:
+    """The rows of which a part by itself has the points: each fault with free onset, by the name of its row.
+
+    `places` says where the part has what the table names, by beginnings: {"ats.receiver.": "receiver."}.  What is
+    transient in the table comes and goes here; of a row with several faults the second one is called "... (2)".
+    """
+    found = []
+    for mode in table():
+        for n, fault in enumerate(mode.faults, start=1):
+            name = f"{mode.name} ({n})" if n > 1 else mode.name
+            there = [_moved(point, places or {}) for point in fault.points]
+            if all(point in points for point in there):
+                found.append(_free(fault, there, name))
+    return found
+
+
+def _moved(point: str, places: Mapping[str, str]) -> str:
+    """A point of the table as the part has it."""
+    start = next((start for start in places if point.startswith(start)), "")
+    return places.get(start, "") + point[len(start) :]
+
+
+def _free(fault: Fault, points: Sequence[str], name: str) -> Fault:
+    """The same fault at these points, from any time on, or on and off where it is transient."""
+    onset = INTERMITTENT if fault.onset == TRANSIENT else ANY_TIME
+    if fault.kind.members:
+        kinds = [kind for _, kind in fault.kind.members]
+        return common_cause(name, dict(zip(points, kinds, strict=True)), onset=onset)
+    return Fault(fault.kind, points, onset, name=name)
+
+
+def rates_of(faults: Sequence[Fault]) -> dict[str, tuple[str, str]]:
+    """Failures per hour of the rows among these faults, INVENTED [A], as a hazard takes them."""
+    names = {fault.name for fault in faults}
+    return {mode.name: (str(mode.fit * FIT), ASSUMED_RATES) for mode in table() if mode.name in names}
 
 
 def table() -> list[Mode]:

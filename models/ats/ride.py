@@ -13,6 +13,7 @@ from __future__ import annotations
 from fractions import Fraction
 from typing import NamedTuple, Self
 
+from models.ats.nearest import nearest
 from models.ats.supervision import (
     PLACES,
     Accelerating,
@@ -59,7 +60,7 @@ class Train(Model, tick_s=step_s):
     ) -> tuple[Train, Bit]:
         """One cycle under the orders given at its beginning, which brake down to `limit`; whether there are any."""
         require("the free run contains sampling and build-up", t_s >= self.cycle + self.acts,
-                nearest="t_s from cycle + acts up")  # fmt: skip
+                nearest("t_s", self.cycle + self.acts, "s"))  # fmt: skip
         order = orders.service | orders.emergency
         ghosts(course, where.fastest, self.push * self.acts, self.acts, b_s, limit)
         assume("no brake without an order", order | (course.braked == 0))

@@ -19,7 +19,7 @@ from typing import NamedTuple
 
 from models.ats.ats_sp import AtsSp, Inputs, Shift
 from models.ats.ats_sp import Reading as BaliseReading
-from models.ats.phase import Phase
+from models.ats.phase import Phase, Told
 from models.ats.supervision import Events
 from models.kinematics import KMH
 from models.patterns.vehicle import Reading, Vehicle
@@ -33,6 +33,7 @@ LINE = {
     **{f"ats.locator.correction.data.place_{n}": place for n, place in zip("abcd", PLACES.values(), strict=True)},
     **{f"ats.locator.correction.data.kind_{n}": kind for n, kind in zip("abcd", PLACES, strict=True)},
     "ats.sp.signal_at": SIGNAL_AT, "ats.sp.switch_at": SWITCH_AT, "ats.sp.switch_clear": SWITCH_CLEAR,
+    "ats.target_b": SIGNAL_AT, "ats.target_c": SWITCH_AT, "ats.target_d": SIGNAL_AT,
     "ats.receiver.begins": 1000, "ats.receiver.ends": SIGNAL_AT,
     "ats.sp.mark_at": 3000, "ats.crossing_at": 3100,
 }  # fmt: skip
@@ -162,9 +163,9 @@ def first(passing: dict[int, Bit]) -> UInt:
 class OneMissedIsStop(AtsSp, tick_s=step_s):
     """The set that takes each balise that was expected and not seen for its most restrictive reading."""
 
-    def told(self, read: BaliseReading, matched: Matched, released: Bit) -> Events:
+    def told(self, read: BaliseReading, matched: Matched, phase: Told) -> Events:
         """The same, and what should have been there."""
-        told = super().told(read, matched, released)
+        told = super().told(read, matched, phase)
         return told._replace(stop_read=told.stop_read | matched.absent, branch_read=told.branch_read | matched.absent)
 
 

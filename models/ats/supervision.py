@@ -1,23 +1,24 @@
 """ATS-SP supervision: a finite number of targets, each with its own pattern; the most restrictive one counts.
 
     target     made by                                                ended by
-    home       signal balise at stop, or read but not understood      not-stop balise of that signal, release, phase,
-                                                                      stop and reset, passing
+    home       signal or release balise at stop, or read but not      not-stop balise of that signal, release, phase,
+               understood; the phase of its section back to stop      stop and reset, passing
     turnout    branch balise: the diverging route is set              rear clear of the turnout
     station    see `overrun`: the timetable says stop                 standstill within the window, stop and reset,
                                                                       passing
-    blind      a stop balise while the position is unknown, or that   stop and reset
-               the line data do not have: the shortest distance on
-               the line from here on
+    blind      a stop or diverging balise while the position is       stop and reset
+               unknown, or that is none of these targets': the
+               shortest distance on the line from here on
 
     service    the speed is above v_p(x - m, v1) of some target; held until it is h below that of all
     emergency  the speed is above that of the emergency brake; latched until standstill and reset
 
 Distances are taken from the far end of the position interval, speed is the upper one.  A target that is made in a cycle
-counts in that cycle; making goes before ending.
+counts in that cycle; making goes before ending.  Of the blind target no place is known but the way that is left to it:
+it is counted down with the upper speed, whatever the position is set to meanwhile, and another one never lengthens it.
 Source: pattern set, service first, kinds of balises [P]; rules in detail [A]; t, b, m, h [A].
 Main results: with the train within the interval, made in time, without traction and with b, the signal is never passed
-(AV-1); what else ends a pattern (AV-2); the signal's return to stop after a release makes none (AV-4).
+(AV-1); what else ends a pattern (AV-2); the signal's return to stop behind the last release balise makes none (AV-4).
 """
 
 from __future__ import annotations
@@ -25,10 +26,12 @@ from __future__ import annotations
 from fractions import Fraction
 from typing import NamedTuple, Self
 
+from models.ats.nearest import nearest
 from models.kinematics import (
     ACCELERATION,
     B_EMERGENCY,
     B_SERVICE,
+    CYCLE,
     HYSTERESIS,
     KMH,
     MARGIN,
@@ -92,7 +95,23 @@ class Aim(NamedTuple):
     margin: Real  # m before it
 
 
-class Guard(Model, tick_s=step_s):
+class Patterns(Model, tick_s=step_s):
+    """How a speed compares with the patterns of a target."""
+
+    def compared(self, on: Bit, left: Real, v: Real, limit: Real, braking: Braking) -> Asked:
+        """What an active target asks for, with so much way left to it."""
+        over = on & self.above(v, left, braking.b_s, braking.t_s, limit)
+        kept = ~on | permits(v + braking.h, left, braking.b_s, braking.t_s, limit)
+        far_over = on & self.above(v, left, braking.b_e, braking.t_e, limit)
+        return Asked(point("over", over), kept, point("far_over", far_over))
+
+    def above(self, v: Real, left: Real, b: Real, t: Real, limit: Real) -> Bit:
+        """Whether the speed is above a pattern."""
+        above: Bit = intervenes(v, left, b, t, limit)
+        return above
+
+
+class Guard(Patterns, tick_s=step_s):
     """One target with its patterns."""
 
     target: Target
@@ -100,20 +119,12 @@ class Guard(Model, tick_s=step_s):
     def step(self, aim: Aim, where: Position, braking: Braking) -> tuple[Self, Asked]:
         """One cycle: how the speed compares with the patterns of the target as it now is."""
         target, demand = self.target.step(aim.made, aim.place, aim.ended)
-        left, v = demand.at - aim.margin - self.far(where), where.fastest
-        over = demand.on & self.above(v, left, braking.b_s, braking.t_s, aim.limit)
-        kept = ~demand.on | permits(v + braking.h, left, braking.b_s, braking.t_s, aim.limit)
-        far_over = demand.on & self.above(v, left, braking.b_e, braking.t_e, aim.limit)
-        return type(self)(target=target), Asked(point("over", over), kept, point("far_over", far_over))
+        left = demand.at - aim.margin - self.far(where)
+        return type(self)(target=target), self.compared(demand.on, left, where.fastest, aim.limit, braking)
 
     def far(self, where: Position) -> Real:
         """The place from which distances are taken."""
         return where.high
-
-    def above(self, v: Real, left: Real, b: Real, t: Real, limit: Real) -> Bit:
-        """Whether the speed is above a pattern."""
-        above: Bit = intervenes(v, left, b, t, limit)
-        return above
 
 
 class NearEnd(Guard, tick_s=step_s):
@@ -144,15 +155,67 @@ class Accelerating(Guard, tick_s=step_s):
         return above
 
 
+class WayLeft(Model, tick_s=step_s):
+    """A target whose place is not known: none, or active with so much way left to it."""
+
+    active: Bit = power_up(False)
+    rest: Real = power_up(0)  # m
+    cycle: Real = parameter(CYCLE, unit="s", within=(Fraction(1, 1000), 1), source="[A] control cycle")
+
+    def step(self, made: Bit, shortest: Real, ended: Bit, where: Position) -> tuple[Self, Demand]:
+        """One cycle, in which it may be made so far ahead; what is left at its end, at the upper speed throughout."""
+        on = point("pattern", made | (self.active & ~ended))
+        rest = select(made & self.counts(shortest), shortest, self.rest) - where.fastest * self.cycle
+        left = point("left", rest)
+        return type(self)(active=on, rest=left), Demand(on, left)
+
+    def counts(self, shortest: Real) -> Bit:
+        """Whether one that is made now is nearer than what there is."""
+        return ~self.active | (shortest < self.rest)
+
+
+class MovesOn(WayLeft, tick_s=step_s):
+    """The variant to be refuted: one that is made later replaces the one that there is."""
+
+    def counts(self, shortest: Real) -> Bit:
+        """Always."""
+        return self.active | ~self.active
+
+
+class AtAPlace(WayLeft, tick_s=step_s):
+    """The variant to be refuted: a place is kept, though the position is not known."""
+
+    place: Real = power_up(0)  # m
+
+    def step(self, made: Bit, shortest: Real, ended: Bit, where: Position) -> tuple[Self, Demand]:
+        """One cycle: what is left from the far end, wherever that is now said to be."""
+        on = point("pattern", made | (self.active & ~ended))
+        place = select(made & self.counts(shortest), where.high + shortest, self.place)
+        left = point("left", place - where.high)
+        return type(self)(active=on, rest=left, place=place), Demand(on, left)
+
+
+class BlindGuard(Patterns, tick_s=step_s):
+    """The target whose place is not known, with its patterns; its aim's place is the way to it."""
+
+    target: WayLeft
+
+    def step(self, aim: Aim, where: Position, braking: Braking) -> tuple[Self, Asked]:
+        """One cycle."""
+        target, demand = self.target.step(aim.made, aim.place, aim.ended, where)
+        asked = self.compared(demand.on, demand.at - aim.margin, where.fastest, aim.limit, braking)
+        return type(self)(target=target), asked
+
+
 class Events(NamedTuple):
     """What balises and receiver tell in a cycle, already assigned to the targets by the line data."""
 
-    stop_read: Bit  # signal balise of the home signal: stop, or not understood
-    clear_read: Bit  # the same: not stop
+    stop_read: Bit  # balise of the home signal: stop, or not understood; or the phase back to stop
+    clear_read: Bit  # signal balise of the home signal: not stop
     release_read: Bit  # release balise of the home signal: not stop
     phase_released: Bit
     branch_read: Bit  # branch balise: the route over the turnout is set
-    stray_stop: Bit  # a signal balise at stop that cannot be assigned: position unknown, or not in the line data
+    stray_stop: Bit  # a balise at stop, or of a diverging route, that cannot be assigned to a target
     station_made: Bit
     station_ended: Bit
     reset: Bit  # the driver's reset; counts at standstill
@@ -193,7 +256,7 @@ class LineData(Model, tick_s=step_s):
     def aims(self, events: Events, where: Position, freed: Bit) -> Aims:
         """What becomes of each target in a cycle; `freed`: stop and reset."""
         require("the switch lies before the end of the turnout", self.switch_at <= self.switch_clear,
-                nearest="switch_clear from switch_at up")  # fmt: skip
+                nearest("switch_clear", self.switch_at, "m"))  # fmt: skip
         told, m, stop = events.clear_read | events.release_read | events.phase_released, self.margin, real(0)
         home_ends = told | freed | (where.low >= self.signal_at)
         clear = where.low - self.length >= self.switch_clear
@@ -202,7 +265,7 @@ class LineData(Model, tick_s=step_s):
             home=Aim(events.stop_read, point("signal_at", self.signal_at), home_ends, stop, m),
             turnout=Aim(events.branch_read, self.held_from(where), clear, self.switch_limit, m),
             station=Aim(events.station_made, self.mark_at, left, stop, stop),
-            blind=Aim(events.stray_stop, where.high + self.shortest, freed, stop, m),
+            blind=Aim(events.stray_stop, self.shortest, freed, stop, m),
         )
 
     def held_from(self, where: Position) -> Real:
@@ -225,7 +288,7 @@ class Supervision(LineData, tick_s=step_s):
     home: Guard
     turnout: Guard
     station: Guard
-    blind: Guard
+    blind: BlindGuard
     brakes: Brakes
     b_s: Real = parameter(B_SERVICE, unit="m/s^2", within=(Fraction(1, 10), 3), source="[A] 2.5 km/h/s")
     t_s: Real = parameter(T_SERVICE, unit="s", within=(0, 10), source="[A] free run and processing, service")
@@ -236,8 +299,8 @@ class Supervision(LineData, tick_s=step_s):
 
     def step(self, events: Events, where: Position) -> tuple[Self, Orders]:
         """One cycle: what was read, and where the train is at its beginning."""
-        require("the service brake comes first", (self.b_s <= self.b_e) & (self.t_e <= self.t_s),
-                nearest="b_e from b_s up, t_s from t_e up")  # fmt: skip
+        require("the emergency brake is the stronger one", self.b_s <= self.b_e, nearest("b_e", self.b_s, "m/s^2"))
+        require("the service brake comes first", self.t_e <= self.t_s, nearest("t_s", self.t_e, "s"))
         freed = point("freed", (where.fastest <= self.standstill) & events.reset)
         aims = self.aims(events, where, freed)
         braking = Braking(self.b_s, self.t_s, self.b_e, self.t_e, self.hysteresis)
@@ -246,6 +309,50 @@ class Supervision(LineData, tick_s=step_s):
         brakes, orders = self.brakes.step(strictest(*asked), freed)
         following = type(self)(**dict(zip(Aims._fields, stepped, strict=True)), brakes=brakes)
         return following, Orders(point("service", orders.service), point("emergency", orders.emergency))
+
+
+class EndsFirst(Target, tick_s=step_s):
+    """The variant to be refuted: what ends a target goes before what makes it."""
+
+    def step(self, made: Bit, place: Real, ended: Bit) -> tuple[Target, Demand]:
+        """One cycle."""
+        return super().step(made & ~ended, place, ended)
+
+
+class EndsFirstGuard(Guard, tick_s=step_s):
+    """With that target."""
+
+    target: EndsFirst
+
+
+class EndingGoesFirst(Supervision, tick_s=step_s):
+    """With the variant for the home signal."""
+
+    home: EndsFirstGuard
+
+
+class BlindMovesOnGuard(BlindGuard, tick_s=step_s):
+    """With the blind target that a later one replaces."""
+
+    target: MovesOn
+
+
+class BlindMovesOn(Supervision, tick_s=step_s):
+    """With that guard."""
+
+    blind: BlindMovesOnGuard
+
+
+class BlindAtAPlaceGuard(BlindGuard, tick_s=step_s):
+    """With the blind target that is kept as a place."""
+
+    target: AtAPlace
+
+
+class BlindAtAPlace(Supervision, tick_s=step_s):
+    """With that guard."""
+
+    blind: BlindAtAPlaceGuard
 
 
 class LimitAtBalise(Supervision, tick_s=step_s):

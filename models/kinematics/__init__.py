@@ -31,7 +31,7 @@ from models.kinematics.ceiling import (
     root,
 )
 from models.kinematics.motion import gains_at_most, is_motion, loses_at_least, moved, way_doubled
-from models.kinematics.refusal import not_negative, positive, refuse, shown
+from models.kinematics.refusal import at_least, at_most, not_negative, positive, refuse, shown
 from models.kinematics.units import (
     ACCELERATION,
     ASSUMED,
@@ -66,6 +66,8 @@ __all__ = [
     "G",
     "Interval",
     "Quantity",
+    "at_least",
+    "at_most",
     "ceiling",
     "ceiling_accelerating",
     "ceiling_float",

@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from models.kinematics.refusal import refuse
+from models.kinematics.refusal import at_least, not_negative, refuse, shown
 from models.kinematics.units import G
 from safety.terms import Term
 
@@ -34,11 +34,11 @@ def effective(b: Quantity, i: Quantity = 0, rho: Quantity = 0, g: Quantity = G) 
 
     Raises ModelError where no stop is possible, with the downgrade that bounds it; a model requires it of terms.
     """
+    not_negative("share of rotating masses", rho, "")
     result = b + i * g / (1000 * (1 + rho))
     if not isinstance(result, Term) and not result > 0:
-        limit = float(-1000 * (1 + rho) * b / g)
-        refuse("gradient", i, "permille", f"a brake of {float(b):.6g} m/s^2 stops no train there",
-               f"above {limit:.6g} permille")  # fmt: skip
+        refuse("gradient", i, "permille", f"a brake of {shown(b)} m/s^2 stops no train there",
+               f"above {at_least(-1000 * (1 + rho) * b / g)} permille")  # fmt: skip
     return result
 
 

@@ -14,7 +14,7 @@ from math import isqrt, sqrt
 from typing import NamedTuple
 
 from models.kinematics.braking import Quantity
-from models.kinematics.refusal import not_negative, positive, refuse, shown
+from models.kinematics.refusal import exact, not_negative, positive, refuse, shown
 
 Exact = Fraction | int
 DIGITS = 30  # after the point, of an enclosure
@@ -45,6 +45,7 @@ def root(x: Exact, digits: int = DIGITS) -> Interval:
 
     Raises ModelError below 0.
     """
+    exact("radicand", x, "")
     not_negative("radicand", x, "")
     scale = 10**digits
     scaled = Fraction(x) * scale * scale
@@ -65,6 +66,8 @@ def distance(v: Quantity, b: Quantity, t: Quantity, v1: Quantity = 0) -> Quantit
 def ceiling(x: Exact, b: Exact, t: Exact, v1: Exact = 0, digits: int = DIGITS) -> Interval:
     """v_p(x, v1), m/s: the greatest speed that `permits` admits; ModelError unless b > 0, t >= 0 and v1 >= 0."""
     _refuse_bad(b, t, v1)
+    for what, value, unit in (("distance", x, "m"), ("deceleration", b, "m/s^2"), ("free run", t, "s")):
+        exact(what, value, unit)
     if x < v1 * t:
         return Interval(Fraction(v1), Fraction(v1))
     return root((b * t) ** 2 + v1 * v1 + 2 * b * x, digits).shifted(-b * t)

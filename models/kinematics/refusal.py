@@ -1,7 +1,12 @@
-"""How a value that a formula cannot honour is refused: reason, value, nearest admissible value."""
+"""How a value that a formula cannot honour is refused: reason, value, nearest admissible value.
+
+A nearest value is rounded to the admissible side, `at_least` up and `at_most` down: it can be taken as it is told.
+"""
 
 from __future__ import annotations
 
+from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
+from fractions import Fraction
 from typing import Any, NoReturn
 
 from safety import ModelError
@@ -16,6 +21,27 @@ def refuse(what: str, value: Any, unit: str, why: str, nearest: str) -> NoReturn
 def shown(value: Any) -> str:
     """A number as people read it."""
     return f"{float(value):.6g}"
+
+
+def at_least(value: Any) -> str:
+    """A least value with 6 digits, rounded up."""
+    return _rounded(value, ROUND_CEILING)
+
+
+def at_most(value: Any) -> str:
+    """A greatest value with 6 digits, rounded down."""
+    return _rounded(value, ROUND_FLOOR)
+
+
+def _rounded(value: Any, way: str) -> str:
+    exact = Fraction(value)
+    return f"{Context(prec=6, rounding=way).divide(Decimal(exact.numerator), Decimal(exact.denominator)).normalize():f}"
+
+
+def exact(what: str, value: Any, unit: str) -> None:
+    """Refuse what is no exact number: of a double no enclosure holds what it says."""
+    if isinstance(value, bool) or not isinstance(value, int | Fraction):
+        raise ModelError(f"{what} = {value!r} {unit} is not exact; give an int or a Fraction")
 
 
 def positive(what: str, value: Any, unit: str) -> None:

@@ -20,6 +20,8 @@ from models.kinematics import (
     T_SERVICE,
     Interval,
     Quantity,
+    at_least,
+    at_most,
     ceiling,
     distance,
     effective,
@@ -47,11 +49,11 @@ class Line:
     def __post_init__(self) -> None:
         emergency, fastest = self.brakes[1], self.fastest
         if self.b > fastest.low:
-            longer = float(distance(self.b, emergency, T_EMERGENCY))
-            nearest = f"{float(fastest.low / KMH):.3f} km/h, or l = {longer:.3f} m"
+            longer = distance(self.b, emergency, T_EMERGENCY)
+            nearest = f"{at_most(fastest.low / KMH)} km/h, or l = {at_least(longer)} m"
             refuse("B", self.b / KMH, "km/h", "above v4max, from which the emergency brake still stops", nearest)
         if self.top < fastest.high:
-            nearest = f"{float(fastest.high / KMH):.3f} km/h"
+            nearest = f"{at_least(fastest.high / KMH)} km/h"
             refuse("Vmax", self.top / KMH, "km/h", "below v4max: point 4 alone will do", nearest)
 
     @property

@@ -18,7 +18,17 @@ from __future__ import annotations
 from fractions import Fraction
 from typing import NamedTuple
 
-from models.kinematics import B_EMERGENCY, B_SERVICE, T_EMERGENCY, T_SERVICE, distance, need, stops_within
+from models.kinematics import (
+    B_EMERGENCY,
+    B_SERVICE,
+    T_EMERGENCY,
+    T_SERVICE,
+    at_least,
+    at_most,
+    distance,
+    need,
+    stops_within,
+)
 from models.patterns.marker_spacing import AS_DIMENSIONED, DRAWN, RELEASE, STOP_BEFORE, TOP, Scheme, overrun
 from safety import Bit, Model, Real, assume, parameter, point, power_up, require, select
 
@@ -64,12 +74,13 @@ class Laid(Sizes, event=NEXT_POINT):
         """The dimensioning, as inequalities: what is safer is admitted, too."""
         b, t, x = self.b_service, self.t_service, self.stop_before
         ordered = (self.x2 >= self.x3) & (self.x3 >= x)
-        require("points in order", ordered, lambda: f"the nearest admissible x2 is {_shown(self.x3)} m")
+        require("points in order", ordered, lambda: f"the nearest admissible x2 is {at_least(_number(self.x3))} m")
         stops = stops_within(self.fastest, x, self.b_emergency, self.t_emergency)
         least = self.fastest, self.b_emergency, self.t_emergency
         require("emergency brake at 4 stops from v4max", stops, lambda: f"the nearest admissible l is {_way(*least)} m")
         released = self.level_b <= self.fastest
-        require("B is not above v4max", released, lambda: f"the nearest admissible B is {_shown(self.fastest)} m/s")
+        require("B is not above v4max", released,
+                lambda: f"the nearest admissible B is {at_most(_number(self.fastest))} m/s")  # fmt: skip
         self.point_2(b, t, x)
         from_a = need(self.level_a, b, t, self.fastest) <= 2 * b * (self.x3 - x)
         require("service brake at 3 suffices from A", from_a,
@@ -132,11 +143,7 @@ class MarkersAsDrawn(Markers, event=NEXT_POINT):
 def _way(v: Real, b: Real, t: Real, reached: Real | int = 0, beyond: Real | int = 0) -> str:
     """A braking way and what lies beyond it, of parameters that are set."""
     numbers = (_number(each) for each in (v, b, t, reached))
-    return f"{float(_number(beyond) + distance(*numbers)):.3f}"
-
-
-def _shown(value: Real) -> str:
-    return f"{float(_number(value)):.3f}"
+    return at_least(_number(beyond) + distance(*numbers))
 
 
 def _number(value: Real | int) -> Fraction:

@@ -15,7 +15,7 @@ from fractions import Fraction
 from itertools import pairwise
 from typing import NamedTuple, Self
 
-from models.kinematics import KMH, T_SERVICE, distance, effective, mps, need, refuse, shown
+from models.kinematics import KMH, T_SERVICE, at_least, distance, effective, mps, need, refuse
 from models.patterns.train import TICK
 from safety import ANY, Bit, Model, Real, assume, parameter, point, power_up, select
 
@@ -41,7 +41,7 @@ def check_sections(
     for (above, below), length, needed in zip(pairwise(ladder), lengths, least, strict=True):
         if length < needed:
             refuse(f"section {above} to {below} km/h", length, "m", "too short for the worst-braked train",
-                   f"{shown(needed)} m")  # fmt: skip
+                   f"{at_least(needed)} m")  # fmt: skip
 
 
 def overlap(last: int, b: Fraction, t: Fraction) -> Fraction:

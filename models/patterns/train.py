@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from fractions import Fraction
 
-from models.kinematics import CYCLE, Quantity, gains_at_most, is_motion, moved, refuse, shown, way_doubled
+from models.kinematics import CYCLE, Quantity, at_least, gains_at_most, is_motion, moved, refuse, shown, way_doubled
 from safety import ANY, Bit, Model, Real, assume, point, power_up, select
 
 TICK = "0.1"
@@ -55,7 +55,7 @@ def check_budget(t: Fraction, build_up: Fraction) -> None:
     least = build_up + 3 * T
     if t < least:
         refuse(
-            "reaction budget", t, "s", f"sample, processing and {shown(build_up)} s of build-up", f"{shown(least)} s"
+            "reaction budget", t, "s", f"sample, processing and {shown(build_up)} s of build-up", f"{at_least(least)} s"
         )
 
 

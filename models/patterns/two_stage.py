@@ -12,7 +12,17 @@ from __future__ import annotations
 
 from fractions import Fraction
 
-from models.kinematics import B_SERVICE, MARGIN, T_SERVICE, Interval, ceiling, refuse, shown, stops_within
+from models.kinematics import (
+    B_SERVICE,
+    MARGIN,
+    T_SERVICE,
+    Interval,
+    at_least,
+    ceiling,
+    not_negative,
+    refuse,
+    stops_within,
+)
 from models.patterns.slips import Plain
 from models.patterns.supervised import Outcome
 from models.patterns.supervisor import Seen
@@ -30,10 +40,11 @@ def passing_ceilings(
 
     Raises ModelError where the second lies within the margin, or the first no farther than the second.
     """
+    not_negative("margin", m, "m")
     if d2 <= m:
-        refuse("D2", d2, "m", "no way is left before the margin", f"above {shown(m)} m")
+        refuse("D2", d2, "m", "no way is left before the margin", f"above {at_least(m)} m")
     if d1 < d2:
-        refuse("D1", d1, "m", "the first balise lies behind the second", f"{shown(d2)} m")
+        refuse("D1", d1, "m", "the first balise lies behind the second", f"{at_least(d2)} m")
     return ceiling(d1 - m, b, t), ceiling(d2 - m, b, t)
 
 
@@ -53,7 +64,8 @@ class TwoStageRun(Model, tick_s=TICK):
         """One cycle."""
         b, t, v, x, left = self.guard.b_s, self.guard.t_s, self.train.v, self.train.x, self.brake.left
         mid = self.d2 - self.margin
-        require("way is left before the margin at the second balise", mid > 0, "D2 above the margin is admissible")
+        require("way is left before the margin at the second balise", mid > 0,
+                lambda: f"the nearest admissible D2 is above {at_least(self.margin.attr)} m")  # fmt: skip
         first = select(x + self.nearer_1 > mid, x + self.nearer_1, mid)
         believed = select(self.second, x + self.nearer_2, first)
         guard, lines = self.guard.step(Seen(v, v, believed, believed, bit(False)))

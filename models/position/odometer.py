@@ -9,7 +9,7 @@ cycle differs from that of the cycle before by at most a_hi (b_hi) times the cyc
     SLIDE   the wheel turns slower than the train, which brakes: from the larger of the wheel's speed and v_0 - b_hi t
             to the larger of the wheel's speed and v_0
 
-A fix puts the train to a place between two cycles.  Speeds in pulses need the time between pulses: a pulse more or less
+A fix puts the train to a place between two cycles: at the beginning of one (`step`), or at its end (`put`).  Speeds in pulses need the time between pulses: a pulse more or less
 in a cycle of 0.1 s would be 0.45 m/s, thrice what slip detection takes for a slip.
 Source: integration of axle pulses, slip and slide corrected, balises at most about 1 km apart [P]; all numbers [A].
 """
@@ -197,6 +197,12 @@ class Odometer(Model, tick_s=step_s):
         following = type(self)(watch=watch, bounds=bounds, s=s, s_lo=s_lo, s_hi=s_hi)
         slowest, fastest = larger(real(0), speeds.low - loss), speeds.high + gain
         return following, Position(s_lo, s, s_hi, slowest, fastest)
+
+    def put(self, fix: Fix) -> Self:
+        """The position moved to what is known at the end of the cycle."""
+        given = fix.given
+        s, low = select(given, fix.place, self.s), select(given, fix.low, self.s_lo)
+        return type(self)(watch=self.watch, bounds=self.bounds, s=s, s_lo=low, s_hi=select(given, fix.high, self.s_hi))
 
 
 class RememberingOdometer(Odometer, tick_s=step_s):

@@ -5,7 +5,9 @@
 R1: it is extended at once.  To shorten it the ground asks, and counts on the old one until the train's echo shows that
 it has taken the shorter.  While a request is open nothing else is sent; an extension ends the request.  Stamps tell a
 new report from an old one (the leader may have set back since), and the echo of this request from an earlier one.
-A leader may set back as far as the follower's authority in force keeps its distance.
+A leader may set back as far as the follower's authority in force keeps its distance.  The order goes over the air like
+any message: from the cycle in which it is given the ground counts on the place it names and takes no report, until a
+receipt shows that the leader has carried it out; only reports sent later count again.
 Source: section 9, authority and R1 [P]; margin, allowance, order of messages, setting back [A].
 """
 
@@ -15,7 +17,6 @@ from typing import NamedTuple
 
 from models.kinematics import CYCLE
 from models.radio.messages import Arrival, Message
-from models.radio.train import SetBack
 from safety import ANY, Bit, Model, Real, bit, parameter, point, power_up, select
 
 
@@ -31,11 +32,15 @@ class Orders(NamedTuple):
     """The authority that goes to the train, the order that goes to its leader."""
 
     authority: Message
-    back: SetBack
+    backs: Bit  # whether an order to set back is open, and sent
+    back: Message
 
 
 class Cell(Model, tick_s=CYCLE):
-    """The leader's rear as known, the authority in force, and the request to shorten it, if one is open."""
+    """The leader's rear as known, the authority in force, the request to shorten it and the order to set back, if open.
+
+    The open order is `known` with `known_stamp`.
+    """
 
     known: Real = power_up(ANY)
     known_stamp: Real = power_up(ANY)
@@ -43,11 +48,14 @@ class Cell(Model, tick_s=CYCLE):
     asking: Bit = power_up(False)
     asked: Real = power_up(ANY)
     asked_stamp: Real = power_up(ANY)
+    backing: Bit = power_up(False)
 
     allowance: Real = parameter(0, unit="m", within=(0, 100), source="[A] err_leader: how far a leader may roll back")
     margin: Real = parameter(50, unit="m", within=(0, 1000), source="[A] m")
 
-    def step(self, now: Real, report: Arrival, echo: Arrival, beyond: Real, wish: Wish) -> tuple[Cell, Orders]:
+    def step(
+        self, now: Real, report: Arrival, echo: Arrival, receipt: Arrival, beyond: Real, wish: Wish
+    ) -> tuple[Cell, Orders]:
         """One cycle; `beyond` is the rear of another train, further ahead, for faults of the list of trains."""
         known, stamp = heard(self, report, beyond)
         room = select(point("lost_train", bit(False)), beyond, known) - self.allowance - self.margin
@@ -56,16 +64,20 @@ class Cell(Model, tick_s=CYCLE):
         before, open_still = select(taken, self.asked, self.in_force), self.asking & ~taken
         extends, asked = want >= before, select(open_still, self.asked, want)
         in_force = select(extends, want, before)
-        sets_back = wish.set_back & (wish.to <= known) & (in_force <= wish.to - self.allowance - self.margin)
+        keeps = in_force <= wish.to - self.allowance - self.margin
+        sets_back = point("sets_back", wish.set_back & ~self.backing & (wish.to <= known) & keeps)
+        done = point("carried_out", self.backing & receipt.comes & (receipt.stamp >= self.known_stamp))
         cell = Cell(
-            known=select(sets_back, wish.to, known), known_stamp=select(sets_back, now, stamp), in_force=in_force,
-            asking=~extends, asked=asked, asked_stamp=select(open_still, self.asked_stamp, now),
+            known=select(sets_back, wish.to, known), known_stamp=select(sets_back | done, now, stamp),
+            in_force=in_force, asking=~extends, asked=asked, asked_stamp=select(open_still, self.asked_stamp, now),
+            backing=sets_back | (self.backing & ~done),
         )  # fmt: skip
-        return cell, Orders(Message(now, select(extends, want, asked)), SetBack(sets_back, wish.to))
+        back = Message(self.known_stamp, self.known)
+        return cell, Orders(Message(now, select(extends, want, asked)), self.backing, back)
 
 
 def heard(cell: Cell, report: Arrival, beyond: Real) -> tuple[Real, Real]:
     """The leader's rear as known with a report, and the stamp of the newest: a rear that comes back is allowed for."""
     place = select(point("wrong_order", bit(False)), beyond, report.place)
-    fresh = report.comes & point("fresh", report.stamp > cell.known_stamp)
+    fresh = report.comes & ~cell.backing & point("fresh", report.stamp > cell.known_stamp)
     return select(fresh & (place > cell.known), place, cell.known), select(fresh, report.stamp, cell.known_stamp)

@@ -1,7 +1,7 @@
 """Radio control: trains one behind the other, each kept behind the rear of the one ahead by messages alone.
 
-A `Follower` is a train with its unit, its cell on the ground, and the three channels of the pair that it makes with its
-leader.  A line of n trains is a leader that nothing supervises (its authority does not matter here) and n - 1
+A `Follower` is a train with its unit, its cell on the ground, the five channels of the pair that it makes with its
+leader, and what the leader has carried out of its orders.  A line of n trains is a leader that nothing supervises (its authority does not matter here) and n - 1
 followers; each is built onto the line ahead of it, so all pairs are made of one text.
 Source: section 9 [P]; one cell a train [A].
 """
@@ -12,18 +12,20 @@ from typing import NamedTuple
 
 from models.kinematics import CYCLE
 from models.radio.ground import Cell, Wish
-from models.radio.messages import Channel, Choices, Message
+from models.radio.messages import Arrival, Channel, Choices, Message
 from models.radio.on_board import Supervised
 from models.radio.train import Motion, SetBack, Train
-from safety import Bit, Model, Real, bit, point, power_up
+from safety import ANY, Bit, Model, Real, bit, point, power_up, select
 
 
 class Air(NamedTuple):
-    """What the radio does in the three directions of a pair."""
+    """What the radio does with each kind of message of a pair."""
 
     reports: Choices
     authorities: Choices
     echoes: Choices
+    orders: Choices
+    receipts: Choices
 
 
 class Report(NamedTuple):
@@ -33,25 +35,46 @@ class Report(NamedTuple):
     rear: Real
 
 
+class SettingBack(Model, tick_s=CYCLE):
+    """On board of a leader: it carries out an order to set back newer than any before; `stamp` is that of the newest."""
+
+    stamp: Real = power_up(ANY)
+
+    def step(self, came: Arrival) -> tuple[SettingBack, SetBack]:
+        """One cycle; the order, if one is to be carried out."""
+        takes = came.comes & point("newer", came.stamp > self.stamp)
+        return SettingBack(stamp=select(takes, came.stamp, self.stamp)), SetBack(takes, came.place)
+
+
 class Follower(Model, tick_s=CYCLE):
     """One train behind a leader."""
 
     reports: Channel
     authorities: Channel
     echoes: Channel
+    orders: Channel
+    receipts: Channel
     cell: Cell
+    setting_back: SettingBack
     driven: Supervised
 
     def step(
         self, now: Real, leader: Report, beyond: Real, order: SetBack, air: Air, wish: Wish, motion: Motion
     ) -> tuple[Follower, SetBack]:
-        """One cycle; what its leader is ordered to do."""
+        """One cycle; the order that reaches its leader."""
         reports, report = self.reports.step(leader.sends, Message(now, leader.rear), air.reports)
         echoes, echo = self.echoes.step(bit(True), self.driven.echo(), air.echoes)
-        cell, orders = self.cell.step(now, report, echo, beyond, wish)
-        authorities, came = self.authorities.step(bit(True), orders.authority, air.authorities)
+        receipts, receipt = self.receipts.step(bit(True), Message(self.setting_back.stamp, leader.rear), air.receipts)
+        cell, told_all = self.cell.step(now, report, echo, receipt, beyond, wish)
+        authorities, came = self.authorities.step(bit(True), told_all.authority, air.authorities)
+        orders, back = self.orders.step(told_all.backs, told_all.back, air.orders)
+        setting_back, ordered = self.setting_back.step(back)
         driven, _ = self.driven.step(now, came, order, motion)
-        return Follower(reports=reports, authorities=authorities, echoes=echoes, cell=cell, driven=driven), orders.back
+        follower = Follower(
+            reports=reports, authorities=authorities, echoes=echoes, orders=orders, receipts=receipts, cell=cell,
+            setting_back=setting_back, driven=driven,
+        )  # fmt: skip
+        return follower, ordered
 
 
 def told(train: Train) -> Report:

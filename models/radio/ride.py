@@ -24,6 +24,7 @@ SHOWN = (
     "leader.head", "leader.rear", f"{TRAIN}.head", f"{TRAIN}.speed", f"{UNIT}.limit", "follower.cell.known",
     "follower.driven.brake", "follower.driven.radio_lost",
 )  # fmt: skip
+CHANNELS = ("reports", "authorities", "echoes", "orders", "receipts")
 NEVER = Fraction(10**6)
 Driver = Callable[[Fraction, Fraction], Fraction]  # acceleration asked for, of time and speed
 
@@ -32,11 +33,13 @@ def commissioned(apart: Fraction, margin: Fraction, length: Fraction = Fraction(
     """Power-up: the follower's head at 0, the leader's rear `apart` ahead, both standing, all messages true."""
     slots = {
         f"follower.{channel}.{slot}.{part}": value
-        for channel, place in (("reports", apart), ("authorities", apart - margin), ("echoes", apart - margin))
+        for channel, place in zip(CHANNELS, (apart, apart - margin, apart - margin, apart, apart), strict=True)
         for slot in ("one", "two")
         for part, value in (("sent_at", Fraction(-1)), ("says", place))
     }
-    stamps = ("follower.cell.known_stamp", "follower.cell.asked_stamp", f"{UNIT}.stamp")
+    stamps = [f"follower.{of}" for of in ("cell.known_stamp", "cell.asked_stamp", "setting_back.stamp")] + [
+        f"{UNIT}.stamp"
+    ]
     return slots | dict.fromkeys(stamps, Fraction(-1)) | {
         "leader.head": apart + length, "leader.rear": apart, "leader.furthest": apart,
         f"{TRAIN}.rear": -length, f"{TRAIN}.furthest": -length, f"{TRAIN}.left": Fraction(21, 10),
@@ -88,8 +91,7 @@ def air(time: Fraction, silent: tuple[Fraction, Fraction]) -> dict[str, Any]:
     sent, heard = time % PERIOD_S == 0, time % PERIOD_S == LATENCY_S
     arrives = heard and not silent[0] <= time < silent[1]
     choices = {"keep_one": sent, "keep_two": False, "deliver": arrives, "second": False}
-    channels = ("reports", "authorities", "echoes")
-    return {f"air.{channel}.{name}": value for channel in channels for name, value in choices.items()}
+    return {f"air.{channel}.{name}": value for channel in CHANNELS for name, value in choices.items()}
 
 
 def motion(train: str, speed: Fraction, acceleration: Fraction, back: Fraction | int = 0) -> dict[str, Any]:

@@ -128,13 +128,13 @@ def _parser(verb: str, module: Any) -> argparse.ArgumentParser:
 
 
 def _parsed(verb: str, parser: argparse.ArgumentParser, words: list[str]) -> argparse.Namespace:
-    """The arguments; a name where none may stand is told how names are given."""
-    args, rest = parser.parse_known_args(words)
+    """The arguments, in any order; a name where none may stand is told how names are given."""
+    args, rest = parser.parse_known_intermixed_args(words)
     name = next((word for word in rest if not word.startswith("-")), None)
     if name is not None and verb in CHOSEN and name == rest[0]:
         parser.error(f"{name!r} stands alone; choose {CHOSEN[verb]} with -k NAME")
     if rest:
-        parser.error(f"unrecognized arguments: {shlex.join(rest)}")
+        parser.error(f"unrecognized arguments: {shlex.join(rest)}; `rightside {verb} --help` shows what there is")
     return args
 
 

@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from safety.prove.bounds.claims import RealClaim
 from safety.prove.certificate import CAP, NotSo, write_certificate
 from safety.prove.claims import BITS, PROVED
 from safety.prove.outcome import Outcome
+from safety.prove.problem import Problem
 from safety.prove.solve import Disagreement
 from safety.system import ModelError
 
+WHOLE = "z3"  # the route that knows of whole numbers
 _INDUCTION = re.compile(r"induction of depth (\d+),(.*, bits$)?")
 
 
@@ -34,11 +37,39 @@ def certified(
         return None
     if proof[2]:  # lemmas that were found may be proved in bits where the claim asks for integers
         problem = replace(problem, claim=replace(problem.claim, arithmetic=BITS))
-    path = folder / f"{outcome.claim.id}.cert.zip"
+    return _written(problem, int(proof[1]), outcome.agreed_by, folder, timeout, say, warn)
+
+
+def certified_over_reals(
+    claim: RealClaim, entry: dict[str, Any], folder: Path, timeout: float, say: Callable[[str], None],
+    warn: Callable[[str], None],
+) -> dict[str, Any] | None:  # fmt: skip
+    """The same of a claim over reals, which is one obligation; its "certificate" then names the routes, too.
+
+    Of a bracket, and of a claim with whole numbers among its variables, only the routes stand in the entry.
+    """
+    routes: dict[str, Any] | None = entry["certificate"]
+    if routes is None:
+        return None
     try:
-        made = write_certificate(
-            problem, int(proof[1]), path, agreed_by=outcome.agreed_by, timeout=min(timeout, CAP), say=say
-        )
+        problem = claim.problem()
+    except ModelError as error:
+        warn(f"{claim.id}: no certificate; {error}")
+        return routes
+    if set(entry["agreed_by"]) & {WHOLE}:
+        warn(f"{claim.id}: no certificate; it holds for whole numbers, of which its form knows nothing")
+        return routes
+    made = _written(problem, 0, entry["agreed_by"], folder, timeout, say, warn)
+    return routes | made if made else routes
+
+
+def _written(
+    problem: Problem, depth: int, agreed_by: Sequence[str], folder: Path, timeout: float, say: Callable[[str], None],
+    warn: Callable[[str], None],
+) -> dict[str, Any] | None:  # fmt: skip
+    path = folder / f"{problem.claim.id}.cert.zip"
+    try:
+        made = write_certificate(problem, depth, path, agreed_by=agreed_by, timeout=min(timeout, CAP), say=say)
     except NotSo as error:
         raise Disagreement(str(error)) from None
     except ModelError as error:

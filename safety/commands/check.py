@@ -59,12 +59,15 @@ def _compare(reports: list[dict[str, Any]], args: Namespace) -> None:
     project.load_proofs()
     settings.check(project, [], {})
     claims = {claim.id: claim for claim in project.claims}
+    over_reals = {claim.id: claim for claim in project.bounds}
     for report in reports:
         if check.EXIT[report["verdict"]] not in (check.EXIT[check.CHECKED], check.EXIT[check.WEAKER]):
             continue
         name = report["claim"]["id"]
-        if name not in claims:
-            why = f"the project has no claim {name!r}; {nearest(name, claims)}"
+        if name in over_reals:
+            why = unlike(report, over_reals[name].problem())
+        elif name not in claims:
+            why = f"the project has no claim {name!r}; {nearest(name, [*claims, *over_reals])}"
         else:
             why = unlike(report, stated(claims[name], fitting_claim(claims[name], project.config.settings)))
         if why:

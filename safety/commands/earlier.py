@@ -52,8 +52,11 @@ class Earlier:
             return None
         made = found.get("certificate") or {}
         if getattr(self.args, "certify", None):
-            return None if found.get("verdict") == "proved" and not item.is_bound else found
-        return found | {"certificate": None} if "file" in made else found
+            return None if found.get("verdict") == "proved" else found
+        if "file" not in made:
+            return found
+        routes = {key: made[key] for key in ("kind", "routes")} if "routes" in made else None
+        return found | {"certificate": routes}
 
     def chosen(self, project: Project, chosen: list[Item]) -> list[Item]:
         """What --changed leaves; --recheck draws its share of the claims that have a result."""

@@ -190,7 +190,7 @@ def has_parameter(model: type[Model], name: str) -> bool:
 
 def _claim(project: Project, item: Item, order: Order, note: Note) -> Answer:
     if item.is_bound:
-        return _bound(project, item, order)
+        return _over_reals(project, item, order, note)
     from safety.prove.prove import Limits, stated
     from safety.prove.record import claim_entry
     from safety.prove.stimulus import stimulus
@@ -212,8 +212,14 @@ def _claim(project: Project, item: Item, order: Order, note: Note) -> Answer:
     return Answer(item, entry, vcd=trace.vcd() if order.vcd else "")
 
 
-def _bound(project: Project, item: Item, order: Order) -> Answer:
-    return Answer(item, find(project.bounds, item.id).evaluate(order.timeout))
+def _over_reals(project: Project, item: Item, order: Order, note: Note) -> Answer:
+    claim = find(project.bounds, item.id)
+    entry = claim.evaluate(order.timeout)
+    if order.certify:
+        from safety.commands.certify import certified_over_reals
+
+        entry["certificate"] = certified_over_reals(claim, entry, Path(order.certify), order.timeout, note, _warn)
+    return Answer(item, entry)
 
 
 def _synthesis(project: Project, item: Item, order: Order, note: Note) -> Answer:

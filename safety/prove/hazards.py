@@ -191,11 +191,14 @@ class _Question:
     def __init__(self, problem: Problem, solver: str, timeout: float) -> None:
         self.problem = problem
         unrolling = Unrolling(problem.system, solver, True, anywhere=True)
-        self.k, self.solver = unrolling.k, Solver(solver, unrolling.k, timeout)
-        self.solver.add(*unrolling.at(0, [*problem.lemmas.values(), problem.given]))
-        self.solver.add(self.k.Not(unrolling.at(0, [problem.holds])[0]))
-        names = [f.name for f in problem.faults]
-        self.present = dict(zip(names, unrolling.at(0, problem.faulted.present), strict=True))
+        self.k = unrolling.k
+        known = unrolling.at(0, [*problem.lemmas.values(), problem.given])
+        present = unrolling.at(0, problem.faulted.present)
+        there = self.k.Not(unrolling.at(0, [problem.holds])[0])
+        reals = solver == "cvc5" and unrolling.encoder.reals_only  # the other is asked for models, many a time
+        self.solver = Solver(solver, self.k, timeout, real=reals)
+        self.solver.add(*known, there)
+        self.present = dict(zip([f.name for f in problem.faults], present, strict=True))
         self.solver.add_ranges(unrolling)
 
     def limit(self, order: int) -> None:
@@ -204,7 +207,7 @@ class _Question:
         if present and self.solver.name == "z3":
             self.solver.add(self.k.AtMost(*present, order))
         elif present:  # the other interface has no such word
-            self.solver.add(self.k.Sum([self.k.If(p, self.k.IntVal(1), self.k.IntVal(0)) for p in present]) <= order)
+            self.solver.add(self.k.Sum([self.k.If(p, self.k.RealVal(1), self.k.RealVal(0)) for p in present]) <= order)
 
     def exclude(self, chosen: tuple[str, ...]) -> None:
         """Neither these faults together nor more than these."""
@@ -294,7 +297,7 @@ def _parts(
             question.solver.push()
             question.part_of(left)
             answer = question.solver.check()
-            if answer != SAT:
+            if answer != SAT or question.solver.apart:  # then it does not tell which
                 return (SAT if larger else answer), larger
             found = set(question.chosen())
             question.solver.pop()

@@ -5,8 +5,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+import time
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, cast
 
 from safety.prove.apart import answered_apart
@@ -15,8 +18,10 @@ from safety.terms.graph import Term, Value, variables
 from safety.terms.smt import Encoder
 from safety.terms.values import const
 
-GENERAL_MS = 5000  # that the general engine of z3 has before nlsat, where there are many bits
+FIRST_MS, SECOND_MS = 2000, 8000  # that z3's two ways with reals have in turn, before nlsat has the rest
 FEW_BITS = 6
+COVERINGS, JUSTIFIED = {"nl-ext": "none"}, {"decision": "justification"}  # cvc5's two ways with reals
+TURNS = ((COVERINGS, 3.0), (JUSTIFIED, 12.0), (COVERINGS, math.inf))  # and the seconds that each has
 SAT, UNSAT, UNKNOWN = "sat", "unsat", "unknown"
 GRACE = 1.0  # seconds beyond its own limit that a solver in a process of its own is given
 
@@ -73,7 +78,8 @@ class Solver:
 
     `finite`: the question has bits and bit-vectors only (z3 then runs its incremental SAT engine, cvc5 turns it into
     SAT at once: its ways of doing so while solving took minutes on a serial adder, or on 80 faults).
-    `real`: it has reals and bits only (z3 then runs nlsat; many bits defeat it, so there its general engine is first).
+    `real`: it has reals and bits only.  Each solver then has two ways, and a question that takes one of them a tenth of
+    a second may take the other minutes: they have their turns.
     `alone` (z3): in a context of its own, so that its models do not depend on what was asked before it.
     """
 
@@ -129,7 +135,7 @@ class Solver:
         """sat, unsat or unknown (`why` then says more); an interrupt from the keyboard is raised as such."""
         self.why = ""
         try:
-            answer = answered_apart(self._asked, self.timeout + GRACE) if self.apart else self._asked()
+            answer = self._asked_apart() if self.apart else self._asked()
         except Exception as error:
             self.why = f"{type(error).__name__}: {error}"
             return UNKNOWN
@@ -143,6 +149,24 @@ class Solver:
     def _asked(self) -> str:
         return str(self.raw.check())
 
+    def _asked_apart(self) -> str:
+        """cvc5's answer for reals, its ways having their turns."""
+        until = time.monotonic() + self.timeout + GRACE
+        for way, most in TURNS:
+            left = until - time.monotonic()
+            answer = answered_apart(partial(self._asked_with, way), min(most, left)) if left > 0 else ""
+            if answer in (SAT, UNSAT):
+                return answer
+        return UNKNOWN
+
+    def _asked_with(self, options: Mapping[str, str]) -> str:
+        """The answer of a new instance to what is asserted."""
+        other = self.k.SolverFor("QF_NRA")
+        for name, value in options.items():
+            other.setOption(name, value)
+        other.add(*self.raw.assertions())
+        return str(other.check())
+
     @property
     def apart(self) -> bool:
         """Whether the question is asked in a process of its own; then no model comes back."""
@@ -155,7 +179,13 @@ class Solver:
 
 def _for_reals(k: Any, context: Any) -> Any:
     """z3 for nonlinear questions over reals and bits."""
-    general = k.TryFor(k.Tactic("smt", context), GENERAL_MS, context)
-    nlsat = k.Tactic("qfnra", context)
+
+    def ways(first: str, second: str) -> Any:
+        tries = (
+            k.TryFor(k.Tactic(first, context), FIRST_MS, context),
+            k.TryFor(k.Tactic(second, context), SECOND_MS, context),
+        )
+        return k.OrElse(*tries, k.Tactic("qfnra", context), ctx=context)
+
     many_bits = k.Probe("num-bool-consts", context) > FEW_BITS
-    return k.Cond(many_bits, k.OrElse(general, nlsat, ctx=context), nlsat, context).solver()
+    return k.Cond(many_bits, ways("smt", "qfnra"), ways("qfnra", "smt"), context).solver()

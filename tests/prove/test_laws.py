@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import pytest
 
 from safety import PROVED, REFUTED, VACUOUS, Bit, Real, implies
+from safety.commands.certify import certified_over_reals
+from safety.prove import check
+from safety.prove.bounds import Bound, BoundClaim, between, reals
 from safety.prove.bounds.claims import _registry
+from safety.prove.certificate import unlike, write_certificate
 from safety.prove.laws import LawClaim, law
 from safety.system import ModelError
 
@@ -91,3 +96,27 @@ def test_what_is_no_law_is_refused() -> None:
             law(expect=PROVED)(sentence)
     with pytest.raises(ModelError, match="of a law it is one of"):
         law(expect="bounded")(braking)
+
+
+def test_a_law_and_a_bound_have_certificates_of_kind_real_and_a_false_one_is_rejected(tmp_path: Path) -> None:
+    told: list[str] = []
+    entry, claim = found(braking, PROVED)
+    made = certified_over_reals(claim, entry, tmp_path, 20, told.append, told.append)
+    assert made is not None and made["kind"] == "real" and made["routes"] == entry["agreed_by"]
+    report = check.examine(Path(made["file"]))
+    assert report["verdict"] == check.REAL and unlike(report, claim.problem()) == ""
+    _, other = found(braking_less, REFUTED)
+    assert unlike(report, other.problem())
+    write_certificate(other.problem(), 0, tmp_path / "false.zip")
+    assert check.examine(tmp_path / "false.zip")["verdict"] == check.REJECTED
+
+
+def test_what_was_not_proved_and_what_has_no_limit_has_no_certificate(tmp_path: Path) -> None:
+    told: list[str] = []
+    entry, claim = found(braking_less, REFUTED)
+    assert certified_over_reals(claim, entry, tmp_path, 20, told.append, told.append) is None and told == []
+    (x,) = reals("x")
+    bracketed = BoundClaim(id="b.x", expect=PROVED, bound=Bound("b.x", "x", x, (between(0, x, 1),)))
+    entry = bracketed.evaluate(20)
+    assert certified_over_reals(bracketed, entry, tmp_path, 20, told.append, told.append) == entry["certificate"]
+    assert "no certificate" in told[-1] and list(tmp_path.iterdir()) == []

@@ -16,14 +16,17 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
 from types import FrameType
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from safety.prove.bounds.replay import holds, read
 from safety.prove.bounds.statement import WIDTH, Bound, Exact, Stated
-from safety.prove.claims import PROVED, REFUTED, UNDECIDED, VACUOUS
-from safety.system import ModelError
-from safety.terms import Bit
+from safety.prove.claims import PROVED, REFUTED, UNDECIDED, VACUOUS, Claim
+from safety.system import Clock, ModelError, System
+from safety.terms import Bit, bit
 from safety.terms.graph import variables
+
+if TYPE_CHECKING:
+    from safety.prove.problem import Problem
 
 R = TypeVar("R", bound="RealClaim")
 LARGEST = 1 << 1000  # limits stay below it, so that a double can stand beside the exact value
@@ -60,6 +63,18 @@ class RealClaim:
     def violation(self) -> Bit:
         """The points at which it is broken; raises `ModelError` where none could be named."""
         raise NotImplementedError
+
+    def problem(self) -> Problem:
+        """It as a problem without registers, for a certificate; raises `ModelError` as `violation`."""
+        from safety.faults import Faulted
+        from safety.model import Model
+        from safety.prove.problem import Problem
+
+        holds = ~self.violation()
+        inputs = {str(v.attr): v for v in variables([holds])}
+        system = System("real numbers", Clock(event="any point"), (), inputs, {}, {}, {}, {})
+        claim = Claim(self.id, Model, lambda s: holds, self.statement, self.expect)
+        return Problem(claim, system, Faulted(system, (), (), (), ()), holds, (bit(True),), bit(True), bit(True), {})
 
     def evaluate(self, seconds: float) -> dict[str, Any]:
         """The entry under "claims" of the results document.  Raises as `check`, `bracket` and `law`."""

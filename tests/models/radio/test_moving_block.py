@@ -20,7 +20,7 @@ from models.radio.headway import (
     staleness,
     t_loss,
 )
-from models.radio.ride import CATCHING_UP, ROLLING_BACK, TRAIN, UNIT, commissioned, motion, ride
+from models.radio.ride import CATCHING_UP, CHANNELS, ROLLING_BACK, TRAIN, UNIT, commissioned, motion, ride
 from proofs import radio_authority, radio_laws, radio_moving_block
 from safety import ModelError
 from safety.prove.bounds.claims import declared
@@ -194,7 +194,7 @@ def test_headways_of_what_cannot_be_are_refused(call: Any, said: str) -> None:
 def adversary(rng: Random, settings: dict[str, Any]) -> Iterator[dict[str, Any]]:
     """A ride under random air, wishes and drivers."""
     live = Live(TwoTrains, start=commissioned(Fraction(120), Fraction(20)), settings=settings)
-    channels = [f"air.{channel}" for channel in ("reports", "authorities", "echoes")]
+    channels = [f"air.{channel}" for channel in CHANNELS]
     barrier = Fraction(10**6)
     for k in range(900):
         state = live.state
@@ -220,7 +220,7 @@ def test_no_random_adversary_brings_the_trains_together(seed: int) -> None:
     assert all(row[f"{TRAIN}.head"] <= row[f"{UNIT}.limit"] <= row["leader.rear"] for row in rows)
     assert rows[-1][f"{TRAIN}.head"] > 20  # it does run
     assert any(row["follower.driven.shortened"] for row in rows)
-    assert any(row["follower.cell.back.ordered"] for row in rows)
+    assert any(row["follower.cell.sets_back"] for row in rows)
 
 
 def test_the_random_adversary_finds_a_missing_allowance() -> None:
