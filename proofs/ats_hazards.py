@@ -2,8 +2,9 @@
 
 The chain from the balises to the target of the home signal, without positions: the rows of the component table that are
 in it, and a release by phase without cause.  Complete at every order over the listed faults, each set replayed.
-Main result: six single faults and no more; they are the rows that injection finds wrong-side on the stretch at stop,
-but for the coil that reads nothing at all, of which the set learns by the position that it gives up.
+Main result: six single faults and no more; they are the rows of this chain that injection finds wrong-side on the
+stretch at stop.  Of a coil that reads nothing the set learns by the position that it gives up, after the second balise
+that was not seen: too late where the signal balise is one of the last two.
 Rates are INVENTED [A].
 """
 

@@ -84,7 +84,9 @@ def turnout_without_a_limit(s: Seen) -> Bit:
 
 # --- brake -----------------------------------------------------------------------------------------------------------
 
-BRAKE = rows_of(set(trace(Braked).points), {"ats.sp.home.": "guard.", "vehicle.force": "train.brake_force", "vehicle.": ""})
+BRAKE = rows_of(
+    set(trace(Braked).points), {"ats.sp.home.": "guard.", "vehicle.force": "train.brake_force", "vehicle.": ""}
+)
 ENERGISED = "I/O unit, brake relay: stuck energised"
 WRONG_ENTRY, STALE = "line data ROM/IC card: wrong entry", "line data ROM/IC card: stale edition"
 LATE = (WRONG_ENTRY, STALE, ENERGISED, f"{ENERGISED} (2)", "brake: low force, low adhesion")
@@ -173,22 +175,25 @@ def unless_wrong(lemma: Formula) -> Formula:
     return named(f"{lemma.__name__}, unless the timetable is wrong", lambda s: struck(s, WRONG) | lemma(s))
 
 
-LEMMAS = [unless_wrong(lemma) for lemma in (ats_crossing.sound, ats_crossing.held, ats_crossing.started,
-                                            ats_crossing.covered, ats_crossing.noticed, ats_crossing.run, in_time)]  # fmt: skip
+OF_AO_2 = (
+    ats_crossing.sound, ats_crossing.held, ats_crossing.started, ats_crossing.covered, ats_crossing.noticed,
+    ats_crossing.run,
+)  # fmt: skip
+LEMMAS = [unless_wrong(lemma) for lemma in (*OF_AO_2, in_time)]
 
 
 def express(present: tuple[str, ...]) -> Iterator[Scenario]:
     """A train that passes at line speed."""
     start = {"head": -start_point() - 100, "speed": LINE_SPEED, "start": start_point(), "mark": MARK, "notice": NOTICE,
              "least": LEAST_WARNING, "v_max": LINE_SPEED, "a_max": STARTING}  # fmt: skip
-    way = [0, 100, start_point(), 0]
+    way = [Fraction(0), Fraction(100), start_point(), Fraction(0)]
     run = {"way": way.__getitem__, "elapsed": lambda step: way[step] / LINE_SPEED, "reached": LINE_SPEED}
     yield Scenario(4, run, start, present=present)
 
 
-@hazard(Crossing, faults=LOOP, scenarios=express, start=ats_crossing.outside, given=ats_crossing.dimensioned, lemmas=LEMMAS,
-        symbolic=ats_crossing.OPEN, rates=rates_of(LOOP), hours="1000", requirement="AO-2", source=SOURCE,
-        expect={1: 1})  # fmt: skip
+@hazard(Crossing, faults=LOOP, scenarios=express, start=ats_crossing.outside, given=ats_crossing.dimensioned,
+        lemmas=LEMMAS, symbolic=ats_crossing.OPEN, rates=rates_of(LOOP), hours="1000", requirement="AO-2",
+        source=SOURCE, expect={1: 1})  # fmt: skip
 def warned_too_late(s: Seen) -> Bit:
     """The head reaches the crossing, and the warning has been on for less than T_min."""
     return short(s)

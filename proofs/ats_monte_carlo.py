@@ -6,7 +6,7 @@ assumed [A], and what is rare is not seen.  All run at 60 to 100 km/h, brake wit
 
 * **answers late**: operates the brake after 3 to 7 s, to the stop;
 * **brakes late**: touches the handle after 1 to 4.9 s, for 0.5 s, and brakes 100 to 500 m before the signal;
-* **lets go**: operates the brake after 1 to 4.9 s, for 5 to 30 s;
+* **lets go**: operates the brake after 1 to 4.9 s, for 10 to 60 s;
 * **does not answer**.
 
 Results of 100 drivers: with ATS-S 33 pass the signal, none of those who do not answer; with ATS-SP none, so that at
@@ -143,20 +143,22 @@ def passing(equipment: Equipment, settings: Row | None = None, many: int = MISSI
     return {kind: found[kind] for kind in KINDS} | {"all": found.total()}
 
 
-@table(
-    id="ats.drivers_sampled", title="Drivers who pass a signal at stop, drawn with a pinned seed", requirement="AS-3",
-    source="[A] distributions; runs of the models, bounds of Clopper and Pearson at 99 %",
-    assumed=(*ASSUMED[:2], "[A] drivers"), note="Sampled, not proved.",
-    columns=(Column("driver"), Column("missions"), Column("pass with ATS-S"),
-             Column("share, least", decimals=4, assumed=True), Column("share, greatest", decimals=4, assumed=True),
-             Column("pass with ATS-SP"), Column("share at most", decimals=4, assumed=True), Column("as pinned")),
+COLUMNS = (
+    Column("driver"), Column("missions"), Column("pass with ATS-S"), Column("share, least", decimals=4, assumed=True),
+    Column("share, greatest", decimals=4, assumed=True), Column("pass with ATS-SP"),
+    Column("share at most", decimals=4, assumed=True), Column("as pinned"),
 )  # fmt: skip
+
+
+@table(id="ats.drivers_sampled", title="Drivers who pass a signal at stop, drawn with a pinned seed", columns=COLUMNS,
+       source="[A] distributions; runs of the models, bounds of Clopper and Pearson at 99 %", requirement="AS-3",
+       assumed=(*ASSUMED[:2], "[A] drivers"), note="Sampled, not proved.")  # fmt: skip
 def sampled() -> Iterator[Cells]:
     """A kind of driver a row, and all."""
     plain, supervised = passing(ATS_S), passing(ATS_SP)
     drawn = Counter(driver.kind for driver in drivers()) + Counter(all=MISSIONS)
     for kind, hits in plain.items():
-        low, high = clopper_pearson(hits, drawn[kind], CONFIDENCE)
-        most = clopper_pearson(supervised[kind], drawn[kind], CONFIDENCE)[1]
-        pinned = hits == PASS[kind] and supervised[kind] == 0
-        yield kind, drawn[kind], hits, Fraction(low), Fraction(high), supervised[kind], Fraction(most), pinned
+        low, high = map(Fraction, clopper_pearson(hits, drawn[kind], CONFIDENCE))
+        most = Fraction(clopper_pearson(supervised[kind], drawn[kind], CONFIDENCE)[1])
+        as_pinned = (hits, supervised[kind]) == (PASS[kind], 0)
+        yield kind, drawn[kind], hits, low, high, supervised[kind], most, as_pinned

@@ -74,6 +74,13 @@ def no_phase_never_releases(s: Seen) -> Bit:
     return implies(~s.phase.n, ~s.released)
 
 
+@claim(LostPhaseBench, expect=REFUTED, symbolic=OPEN, requirement="AV-3", source=SOURCE,
+       twin_of=no_phase_never_releases)  # fmt: skip
+def no_phase_never_releases_where_lost_is_n(s: Seen) -> Bit:
+    """So it is where a lost phase is taken for N."""
+    return no_phase_never_releases(s)
+
+
 # --- AV-5: soon enough -----------------------------------------------------------------------------------------------
 
 
@@ -99,6 +106,25 @@ def a_stable_phase_releases_in_time(s: Seen) -> Bit:
     """Within the section, away from its joints, N that has lasted for T_stab at the end of a cycle has released: the
     delay is less than T_stab + T, for all of both."""
     return implies(s.lasting >= s.receiver.stability, s.released)
+
+
+@claim(PhaseBench, expect=REFUTED, start=been_there, anywhere=True, symbolic=OPEN, requirement="AV-5", source=SOURCE,
+       twin_of=a_stable_phase_releases_in_time)  # fmt: skip
+def a_stable_phase_releases_in_time_anywhere(s: Seen) -> Bit:
+    """So it has outside the section or next to a joint."""
+    return a_stable_phase_releases_in_time(s)
+
+
+def just_come(s: Seen) -> Bit:
+    """The train has not been there for a cycle yet; no N has been read so far."""
+    return ~s.receiver.here_before & (s.receiver.stable == 0) & (s.lasted == 0)
+
+
+@claim(PhaseBench, expect=REFUTED, start=just_come, given=in_section, anywhere=True, symbolic=OPEN,
+       requirement="AV-5", source=SOURCE, twin_of=a_stable_phase_releases_in_time)  # fmt: skip
+def a_stable_phase_releases_in_time_where_the_train_just_came(s: Seen) -> Bit:
+    """So it has in the first cycle within the section."""
+    return a_stable_phase_releases_in_time(s)
 
 
 @claim(PhaseBench, expect=REFUTED, start=been_there, given=in_section, anywhere=True, symbolic=OPEN,

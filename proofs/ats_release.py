@@ -2,7 +2,8 @@
 
 Source: release balises [P]; spacing, delays, t_e, b_e [A].
 Main results: AV-5 for release balises, least upper bounds; the widest spacing for a delay of 20 s from 25 km/h up; a
-signal that returns to stop after the last release balise leaves no pattern, by balises or by phase (AV-4); an emergency
+signal that returns to stop has its pattern again from the next release balise on, or at once by the phase, behind the
+last release balise and without the phase none (AV-4); an emergency
 brake from 100 m out then stops in front of the signal up to 45.22 km/h, at 45.23 km/h it does not (AS-11).
 """
 
@@ -12,14 +13,15 @@ from collections.abc import Callable
 from fractions import Fraction
 
 from models.ats.ats_s import EMERGENCY, Approach
-from models.ats.release import Following
+from models.ats.release import Following, OnlyByBalise, OnlyByPhase
 from models.kinematics import B_EMERGENCY, T_EMERGENCY, mps
 from proofs.ats_s import in_braking, in_free_run, no_faster
-from safety import PROVED, REFUTED, Bit, Scenario, Seen, claim, implies, previous
+from safety import PROVED, REFUTED, Bit, Scenario, Seen, all_of, claim, implies, previous
 from safety.prove.bounds import Bound, between, claim_bound, claim_bracket, reals
 from safety.prove.weakest import BELOW, weakest_real
 
-SOURCE = "[P] release balises; [A] rules in detail"
+SOURCE = "[P] release balises; [A] rules in detail, extension"
+SECTION = tuple(f"receiver.{name}" for name in ("joint", "begins", "ends"))
 
 # --- AV-5: how late --------------------------------------------------------------------------------------------------
 
@@ -109,11 +111,88 @@ def by_phase_only(s: Seen) -> Bit:
     return ~s.passed.release & ~s.reset
 
 
-@claim(Following, expect=REFUTED, given=by_phase_only, requirement="AV-4", source=SOURCE, defeat=True,
+@claim(OnlyByBalise, expect=REFUTED, given=by_phase_only, requirement="AV-4", source=SOURCE, defeat=True,
        scenario=BY_PHASE, twin_of=pattern_while_at_stop)  # fmt: skip
 def pattern_while_at_stop_again_by_phase(s: Seen) -> Bit:
-    """There is a pattern while the signal is at stop, also where it returned to stop after a release by the phase."""
+    """There is a pattern while the signal is at stop, also where it returned to stop after a release by the phase,
+    which does not make it again."""
     return pattern_while_at_stop(s)
+
+
+def known(s: Seen) -> Bit:
+    """Lemma: where a balise was passed at stop, and the signal has been at stop since, the target is active."""
+    return implies(s.inside & s.read, s.sp.home.target.active)
+
+
+@claim(Following, expect=PROVED, given=undisturbed, lemmas=[known], requirement="AV-4", source=SOURCE)
+def pattern_from_the_next_balise_on(s: Seen) -> Bit:
+    """A signal that returned to stop has its pattern from the next release balise on, as long as it is at stop."""
+    return implies(s.approaching & s.known_at_stop, s.sp.home.target.pattern)
+
+
+@claim(OnlyByPhase, expect=REFUTED, given=undisturbed, requirement="AV-4", source=SOURCE,
+       twin_of=pattern_from_the_next_balise_on)  # fmt: skip
+def pattern_from_the_next_balise_on_without_re_creation(s: Seen) -> Bit:
+    """So it has where a release balise at stop does not make it again."""
+    return pattern_from_the_next_balise_on(s)
+
+
+@claim(Following, expect=REFUTED, requirement="AV-4", source=SOURCE, twin_of=pattern_from_the_next_balise_on)
+def pattern_from_the_next_balise_on_after_a_reset(s: Seen) -> Bit:
+    """So it has where the driver resets behind it."""
+    return pattern_from_the_next_balise_on(s)
+
+
+def in_the_section(s: Seen) -> Bit:
+    """The train is surely in the approach section, away from its joints."""
+    r = s.receiver
+    return (s.where.low >= r.begins + r.joint) & (s.where.high <= r.ends - r.joint)
+
+
+def phase_tells(s: Seen) -> Bit:
+    """The phase is N or R, as the signal is."""
+    return ~(s.stop ^ s.phase.r) & (s.stop ^ s.phase.n)
+
+
+def phase_premises(s: Seen) -> Bit:
+    """In the section, where the phase shows the signal; the driver does not reset."""
+    return in_the_section(s) & phase_tells(s) & undisturbed(s)
+
+
+def followed(s: Seen) -> Bit:
+    """Lemma: on the approach the target is active, or the receiver has read N last."""
+    return implies(s.inside, s.sp.home.target.active | s.receiver.was_clear)
+
+
+@claim(Following, expect=PROVED, given=phase_premises, lemmas=[followed], symbolic=SECTION, requirement="AV-4",
+       source=SOURCE)  # fmt: skip
+def pattern_while_at_stop_by_phase(s: Seen) -> Bit:
+    """With the extension there is a pattern whenever the signal is at stop, also where it returned, in the section and
+    as long as the phase shows the signal there."""
+    return implies(s.approaching & s.stop, s.sp.home.target.pattern)
+
+
+def drops(name: str, model: type[Following], *kept: Callable[[Seen], Bit]) -> None:
+    """The twin with these premises only."""
+
+    def given(s: Seen) -> Bit:
+        return all_of(*(premise(s) for premise in kept))
+
+    def fewer(s: Seen) -> Bit:
+        return pattern_while_at_stop_by_phase(s)
+
+    given.__doc__ = "; ".join((premise.__doc__ or "").rstrip(".") for premise in kept)
+    fewer.__name__ = f"pattern_while_at_stop_by_phase_{name.replace(' ', '_')}"
+    fewer.__doc__ = f"So it is {name}."
+    fewer.__module__ = __name__
+    claim(model, expect=REFUTED, given=given, symbolic=SECTION, requirement="AV-4", source=SOURCE,
+          twin_of=pattern_while_at_stop_by_phase)(fewer)  # fmt: skip
+
+
+drops("without the extension", OnlyByBalise, in_the_section, phase_tells, undisturbed)
+drops("outside the section", Following, phase_tells, undisturbed)
+drops("without a phase", Following, in_the_section, undisturbed)
+drops("after a reset", Following, in_the_section, phase_tells)
 
 
 def stays_at_stop(s: Seen) -> Bit:
@@ -165,4 +244,25 @@ def an_emergency_brake_100_m_out_suffices(s: Seen) -> Bit:
        requirement="AV-4", source="[A] t_e, b_e", twin_of=an_emergency_brake_100_m_out_suffices)  # fmt: skip
 def an_emergency_brake_100_m_out_suffices_at_45_23(s: Seen) -> Bit:
     """So it does up to 45.23 km/h."""
+    return s.to_go >= 0
+
+
+@claim(Approach, expect=REFUTED, start=restored("45.22"), anywhere=True, symbolic=["t_e", "b_e"], requirement="AV-4",
+       source="[A] t_e, b_e", twin_of=an_emergency_brake_100_m_out_suffices)  # fmt: skip
+def an_emergency_brake_100_m_out_suffices_with_any_brake(s: Seen) -> Bit:
+    """So it does with any free run and deceleration."""
+    return s.to_go >= 0
+
+
+def restored_nearer(s: Seen) -> Bit:
+    """The same at 45.22 km/h, 99 m before the signal."""
+    v = mps("45.22")
+    brake = ~s.reading & (s.ats.state == EMERGENCY) & (s.ordered == 0) & (s.to_go == 99)
+    return brake & (s.speed >= 0) & (s.speed <= v) & (s.warned_at == v) & (s.way == v * v / (2 * B_EMERGENCY))
+
+
+@claim(Approach, expect=REFUTED, start=restored_nearer, anywhere=True, symbolic=["t_e", "b_e"], given=as_built,
+       requirement="AV-4", source="[A] t_e, b_e", twin_of=an_emergency_brake_100_m_out_suffices)  # fmt: skip
+def an_emergency_brake_99_m_out_suffices(s: Seen) -> Bit:
+    """So it does from 99 m out."""
     return s.to_go >= 0

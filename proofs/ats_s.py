@@ -13,7 +13,7 @@ from fractions import Fraction
 
 from models.ats.ats_s import ALARM, ALARM_S, CONFIRMED, EMERGENCY, IDLE, Approach, Bench, LateBench, warning_distance
 from models.kinematics import B_EMERGENCY, T_EMERGENCY, mps
-from safety import PROVED, REFUTED, Bit, Real, Scenario, Seen, claim, implies
+from safety import PROVED, REFUTED, Bit, Real, Scenario, Seen, claim, implies, previous
 from safety.prove.laws import law
 
 SOURCE = "[P] 5 s alarm; [R] state machine"
@@ -60,6 +60,12 @@ def equipment_brakes_no_sooner(s: Seen) -> Bit:
 def a_fault_brakes(s: Seen) -> Bit:
     """Supply, cycle or coil failed gives the emergency brake at that time stamp."""
     return implies(~s.ats.healthy, s.ats.emergency)
+
+
+@claim(Bench, expect=REFUTED, requirement="AS-1", source=SOURCE, twin_of=a_fault_brakes)
+def a_fault_that_is_over_brakes(s: Seen) -> Bit:
+    """So it still does at the next time stamp, the train standing and reset or not."""
+    return implies(~previous(s.ats.healthy, True), s.ats.emergency)
 
 
 @claim(Bench, expect=PROVED, requirement="AS-1", source=SOURCE)

@@ -46,14 +46,9 @@ def made_in_time(s: Seen) -> Bit:
     return implies(s.made & ~s.guard.target.active, left(s) >= s.train.roll + s.train.way)
 
 
-def read_forward(s: Seen) -> Bit:
-    """The speed read is from 0 up."""
-    return s.where.fastest >= 0
-
-
 def premises(s: Seen) -> Bit:
     """AV-1: within the interval, speed bounded, b_s at least, made in time."""
-    return read_forward(s) & within_interval(s) & no_faster_than_read(s) & decelerates(s) & made_in_time(s)
+    return within_interval(s) & no_faster_than_read(s) & decelerates(s) & made_in_time(s)
 
 
 def moving(s: Seen) -> Bit:
@@ -89,28 +84,28 @@ def overruns(*kept: Callable[[Seen], Bit]) -> Callable[[Seen], Bit]:
 
 
 @claim(GuardRide, expect=REFUTED, start=moving, requirement="AV-1", source=SOURCE, twin_of=signal_is_never_passed,
-       symbolic=OPEN, given=overruns(read_forward, no_faster_than_read, decelerates, made_in_time))  # fmt: skip
+       symbolic=OPEN, given=overruns(no_faster_than_read, decelerates, made_in_time))  # fmt: skip
 def beyond_the_interval(s: Seen) -> Bit:
     """So it is where the train may be beyond s_hi."""
     return signal_is_never_passed(s)
 
 
 @claim(GuardRide, expect=REFUTED, start=moving, requirement="AV-1", source=SOURCE, twin_of=signal_is_never_passed,
-       symbolic=OPEN, given=overruns(read_forward, within_interval, decelerates, made_in_time))  # fmt: skip
+       symbolic=OPEN, given=overruns(within_interval, decelerates, made_in_time))  # fmt: skip
 def faster_than_read(s: Seen) -> Bit:
     """So it is where the train may be faster than v_hi."""
     return signal_is_never_passed(s)
 
 
 @claim(GuardRide, expect=REFUTED, start=moving, requirement="AV-1", source=SOURCE, twin_of=signal_is_never_passed,
-       symbolic=OPEN, given=overruns(read_forward, within_interval, no_faster_than_read, made_in_time))  # fmt: skip
+       symbolic=OPEN, given=overruns(within_interval, no_faster_than_read, made_in_time))  # fmt: skip
 def braking_too_little(s: Seen) -> Bit:
     """So it is where the brake gives less than b_s."""
     return signal_is_never_passed(s)
 
 
 @claim(GuardRide, expect=REFUTED, start=moving, requirement="AV-1", source=SOURCE, twin_of=signal_is_never_passed,
-       symbolic=OPEN, given=overruns(read_forward, within_interval, no_faster_than_read, decelerates))  # fmt: skip
+       symbolic=OPEN, given=overruns(within_interval, no_faster_than_read, decelerates))  # fmt: skip
 def made_too_late(s: Seen) -> Bit:
     """So it is where the target is made too late."""
     return signal_is_never_passed(s)

@@ -10,9 +10,10 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from models.ats.ride import GuardRide
-from models.ats.supervision import LimitAtBalise, Supervision
+from models.ats.supervision import Supervision
+from models.ats.variants import BlindAtAPlace, BlindMovesOn, EndingGoesFirst, LimitAtBalise
 from models.kinematics import ACCELERATION, B_SERVICE, T_SERVICE, permits
-from proofs.ats_supervision import OPEN, left, no_faster_than_read, read_forward, within_interval
+from proofs.ats_supervision import OPEN, left, no_faster_than_read, within_interval
 from safety import PROVED, REFUTED, Bit, Real, Seen, all_of, any_of, bit, claim, implies
 from safety.prove.laws import law
 
@@ -41,6 +42,13 @@ ENDS: dict[str, Callable[[Seen], Bit]] = {
 def stop_reading_makes_the_pattern(s: Seen) -> Bit:
     """A stop reading of the signal balise makes the pattern in its cycle, at the signal, whatever ends it otherwise."""
     return implies(s.events.stop_read, s.home.target.pattern & (s.home.target.target == s.signal_at))
+
+
+@claim(EndingGoesFirst, expect=REFUTED, symbolic=LINE, requirement="AV-2", source=SOURCE,
+       twin_of=stop_reading_makes_the_pattern)  # fmt: skip
+def stop_reading_makes_the_pattern_where_ending_goes_first(s: Seen) -> Bit:
+    """So it does where what ends a pattern goes before what makes it."""
+    return stop_reading_makes_the_pattern(s)
 
 
 @claim(Supervision, expect=PROVED, symbolic=LINE, requirement="AV-2", source=SOURCE)
@@ -108,24 +116,85 @@ def service_is_latched(s: Seen) -> Bit:
     return implies(s.brakes.held & ~s.freed, s.service)
 
 
-def unknown_position(s: Seen) -> Bit:
-    """A stop balise is read that cannot be assigned."""
-    return s.events.stray_stop
+# --- AV-2: a stop that cannot be assigned ----------------------------------------------------------------------------
+
+BLIND = ("shortest", "blind.target.cycle", *LINE)
 
 
-@claim(Supervision, expect=PROVED, symbolic=("shortest", *LINE), requirement="AV-2", source=SOURCE)
+def forward(s: Seen) -> Bit:
+    """The upper speed is from 0 up."""
+    return s.where.fastest >= 0
+
+
+def run_off(s: Seen) -> Real:
+    """What the upper speed runs in the cycle, m."""
+    return s.where.fastest * s.blind.target.cycle
+
+
+@claim(Supervision, expect=PROVED, symbolic=BLIND, requirement="AV-2", source=SOURCE)
 def an_unassigned_stop_makes_the_worst_pattern(s: Seen) -> Bit:
-    """A stop balise without a known position makes a pattern for the shortest distance on the line from here on, which
-    only stop and reset ends."""
-    made = implies(unknown_position(s), s.blind.target.pattern & (s.blind.target.target == s.where.high + s.shortest))
-    return made & implies(s.blind.target.active & ~s.freed, s.blind.target.pattern)
+    """A stop that cannot be assigned makes a pattern in its cycle, for the shortest distance on the line from there on,
+    or less."""
+    near = s.blind.target.left <= s.shortest - run_off(s)
+    return implies(s.events.stray_stop, s.blind.target.pattern & near)
 
 
-@claim(Supervision, expect=REFUTED, symbolic=("shortest", *LINE), requirement="AV-2", source=SOURCE,
+@claim(BlindAtAPlace, expect=REFUTED, symbolic=BLIND, requirement="AV-2", source=SOURCE,
        twin_of=an_unassigned_stop_makes_the_worst_pattern)  # fmt: skip
-def an_unassigned_stop_keeps_its_first_place(s: Seen) -> Bit:
-    """Its place stays as it was made until then."""
-    return implies(s.blind.target.active & ~s.freed, s.blind.target.target == s.blind.target.place)
+def an_unassigned_stop_makes_the_worst_pattern_at_a_place(s: Seen) -> Bit:
+    """So it does where it is kept as a place."""
+    return an_unassigned_stop_makes_the_worst_pattern(s)
+
+
+@claim(Supervision, expect=PROVED, symbolic=BLIND, requirement="AV-2", source=SOURCE)
+def only_stop_and_reset_lifts_it(s: Seen) -> Bit:
+    """Only stop and reset ends it, and its target never moves forward: what is left falls in each cycle by what the
+    upper speed runs, or by more, whatever the position is set to, and whatever else is read."""
+    falls = s.blind.target.left <= s.blind.target.rest - run_off(s)
+    return implies(s.blind.target.active & ~s.freed, s.blind.target.pattern & falls)
+
+
+@claim(BlindAtAPlace, expect=REFUTED, symbolic=BLIND, requirement="AV-2", source=SOURCE,
+       twin_of=only_stop_and_reset_lifts_it)  # fmt: skip
+def only_stop_and_reset_lifts_it_at_a_place(s: Seen) -> Bit:
+    """So it is where it is kept as a place: a fix moves the train away from it."""
+    return only_stop_and_reset_lifts_it(s)
+
+
+@claim(BlindMovesOn, expect=REFUTED, symbolic=BLIND, requirement="AV-2", source=SOURCE,
+       twin_of=only_stop_and_reset_lifts_it)  # fmt: skip
+def only_stop_and_reset_lifts_it_where_it_moves_on(s: Seen) -> Bit:
+    """So it is where the next such stop replaces it."""
+    return only_stop_and_reset_lifts_it(s)
+
+
+def standing_or_running(s: Seen) -> Bit:
+    """Not stopped and reset; the upper speed is from 0 up."""
+    return ~s.freed & forward(s)
+
+
+@claim(Supervision, expect=PROVED, symbolic=BLIND, given=standing_or_running, requirement="AV-2", source=SOURCE)
+def its_brake_stays_on(s: Seen) -> Bit:
+    """A train above the pattern of the blind target that does not slow down stays above it, so its brake is on,
+    whatever the position is set to."""
+    still = s.where.fastest * s.where.fastest + 2 * s.b_s * s.t_s * s.where.fastest > 2 * s.b_s * (
+        s.blind.target.rest - s.margin
+    )
+    return implies(s.blind.target.active & still & (s.where.fastest > 0), s.service)
+
+
+@claim(BlindAtAPlace, expect=REFUTED, symbolic=BLIND, given=standing_or_running, requirement="AV-2", source=SOURCE,
+       twin_of=its_brake_stays_on)  # fmt: skip
+def its_brake_stays_on_at_a_place(s: Seen) -> Bit:
+    """So it is where it is kept as a place."""
+    return its_brake_stays_on(s)
+
+
+@claim(BlindMovesOn, expect=REFUTED, symbolic=BLIND, given=standing_or_running, requirement="AV-2", source=SOURCE,
+       twin_of=its_brake_stays_on)  # fmt: skip
+def its_brake_stays_on_where_it_moves_on(s: Seen) -> Bit:
+    """So it is where the next such stop replaces it."""
+    return its_brake_stays_on(s)
 
 
 # --- AV-6: the turnout -----------------------------------------------------------------------------------------------
@@ -142,11 +211,18 @@ def cut(s: Seen) -> Bit:
     return implies(s.order, s.course.speed <= s.train.speed)
 
 
+def in_time(s: Seen) -> Bit:
+    """The target is made in time, or below the limit."""
+    late = s.made & ~s.guard.target.active & ~(left(s) >= s.train.roll + s.train.way)
+    return implies(late, s.train.speed <= s.limit)
+
+
+LIMIT_PREMISES = (within_interval, no_faster_than_read, slows, cut, in_time)
+
+
 def limit_premises(s: Seen) -> Bit:
     """AV-6: within the interval, speed bounded, traction cut, b_s at least, made in time, or below the limit."""
-    late = s.made & ~s.guard.target.active & ~(left(s) >= s.train.roll + s.train.way)
-    bounded = within_interval(s) & read_forward(s) & no_faster_than_read(s)
-    return bounded & slows(s) & cut(s) & implies(late, s.train.speed <= s.limit)
+    return all_of(*(premise(s) for premise in LIMIT_PREMISES))
 
 
 def running(s: Seen) -> Bit:
@@ -176,6 +252,27 @@ def turnout_is_not_entered_too_fast(s: Seen) -> Bit:
 def the_limit_holds_from_the_balise_on(s: Seen) -> Bit:
     """It keeps the limit from the branch balise on, where the target was made."""
     return implies(s.guard.target.active, s.train.speed <= s.limit)
+
+
+def limit_without(dropped: Callable[[Seen], Bit]) -> None:
+    """The twin in which one of the premises is missing."""
+
+    def given(s: Seen) -> Bit:
+        return all_of(*(premise(s) for premise in LIMIT_PREMISES if premise is not dropped))
+
+    def fewer(s: Seen) -> Bit:
+        return turnout_is_not_entered_too_fast(s)
+
+    given.__doc__ = f"The same without '{(dropped.__doc__ or '').rstrip('.')}'."
+    fewer.__name__ = f"turnout_is_not_entered_too_fast_without_{dropped.__name__}"
+    fewer.__doc__ = f"So it does without '{(dropped.__doc__ or '').rstrip('.')}'."
+    fewer.__module__ = __name__
+    claim(GuardRide, expect=REFUTED, start=running, given=given, symbolic=(*OPEN, "limit"), requirement="AV-6",
+          source=SOURCE, twin_of=turnout_is_not_entered_too_fast)(fewer)  # fmt: skip
+
+
+for premise in LIMIT_PREMISES:
+    limit_without(premise)
 
 
 @claim(Supervision, expect=PROVED, symbolic=LINE, requirement="AV-6", source=SOURCE)

@@ -195,6 +195,12 @@ def buses_alone_are_safe(s: Seen) -> Bit:
     return implies(~s.brake, s.safe)
 
 
+@claim(BusCompared, faults=at_most(2, [B, EQUAL]), expect=REFUTED, requirement=AV7, twin_of=buses_alone_are_safe)
+def blind_buses_are_safe(s: Seen) -> Bit:
+    """The same with a comparator that says equal: B is believed alone."""
+    return implies(~s.brake, s.safe)
+
+
 # --- what the comparison does not see ---------------------------------------------------------------------------------
 
 RUN, STRIKE = 24, 8  # steps
@@ -234,6 +240,16 @@ def one_fault_in_both_is_safe(s: Seen) -> Bit:
        source="[D] what is equal is not seen")  # fmt: skip
 def one_fault_in_both_never_stops(s: Seen) -> Bit:
     """The same bit stuck in both processors: the comparator never stops them."""
+    return ~s.dual.comparator.stopped
+
+
+FAULT_IN_ONE = Fault(stuck(1, bit=6), ["dual.a.left"], ANY_TIME, name="left wrong in A")
+
+
+@claim(OnBoard, faults=at_most(1, [FAULT_IN_ONE]), expect=REFUTED, requirement=AV7,
+       twin_of=one_fault_in_both_never_stops)  # fmt: skip
+def one_fault_in_one_never_stops(s: Seen) -> Bit:
+    """The bit stuck in A alone: the same."""
     return ~s.dual.comparator.stopped
 
 

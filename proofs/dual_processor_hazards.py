@@ -5,6 +5,8 @@ data, one and the same fault in both processors, and the welded relay.  Two pair
 and B, which drives the output, broken while the comparator says equal.  A comparator whose output stands, or that says
 unequal, a lost clock and a lost supply are in no set.  Complete at every order over the listed faults, each one
 replayed; that a broken A with a blind comparator is in none is due to B driving the output.
+The pairs say nothing of order or time: a broken processor may show healthy words until the other breaks.  What that
+makes of the rates, and what is left if it is found at once, stands in `dual_processor_rates`.
 Wrong for three cycles in a row: an output that sticks gives the relay a last change (`an_output_at_1_brakes_at_once`).
 """
 

@@ -4,8 +4,8 @@ The rows of speed generator, wheel and wheel-rail, from any time on, on a train 
 of `position_odometer` allow; its premises on the wheel (scale, onset, no spin in SLIDE, re-adhesion) are the faults.
 Complete at every order, each set replayed.
 Main results: beyond s_hi by pulse loss, by a wheel larger than set, by slide and by creep; behind s_lo by extra
-pulses, by a worn wheel and by slip; so no row is in both.  A slide is in it although injection finds it covered: from
-below 1.5 m/s a cycle's loss is below the threshold, and a wheel locked to the end agrees with an estimate of 0.
+pulses, by a worn wheel and by slip; no row in both.  A slide is in it though slides are detected: a wheel
+that locks from below 0.15 m/s, or stays locked until it agrees with the estimate, is not seen to slide.
 Rates are INVENTED [A].
 """
 
@@ -68,14 +68,16 @@ def runs(present: tuple[str, ...]) -> Iterator[Scenario]:
 
 
 @hazard(Rolling, faults=FAULTS, scenarios=runs, given=moves, lemmas=[speed_is_below_top, is_before_s_hi],
-        symbolic=LIMITS, rates=rates_of(FAULTS), hours="1000", requirement="AP-1", source=SOURCE, expect={1: 4})  # fmt: skip
+        symbolic=LIMITS, rates=rates_of(FAULTS), hours="1000", requirement="AP-1", source=SOURCE,
+        expect={1: 4})  # fmt: skip
 def farther_or_faster_than_believed(s: Seen) -> Bit:
     """The train is beyond s_hi, or faster than v_hi, with no balise since."""
     return s.beyond
 
 
-@hazard(Rolling, faults=FAULTS, scenarios=runs, given=moves, lemmas=[creep_takes_speed, speed_is_above_floor, is_behind_s_lo],
-        symbolic=LIMITS, rates=rates_of(FAULTS), hours="1000", requirement="AP-1", source=SOURCE, expect={1: 3})  # fmt: skip
+@hazard(Rolling, faults=FAULTS, scenarios=runs, given=moves,
+        lemmas=[creep_takes_speed, speed_is_above_floor, is_behind_s_lo], symbolic=LIMITS, rates=rates_of(FAULTS),
+        hours="1000", requirement="AP-1", source=SOURCE, expect={1: 3})  # fmt: skip
 def not_as_far_as_believed(s: Seen) -> Bit:
     """The train is behind s_lo, so that a section could be believed to have been reached or cleared."""
     return s.behind

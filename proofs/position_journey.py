@@ -5,8 +5,8 @@ of what these show of each other: that a match holds the train follows here from
 Source: AP-1, AP-4; position from axle pulses, corrected at every balise [P]; rules and numbers [A].
 
 Main result: from the first code on, through any number of balises, each anywhere in its cycle, slips and slides, the
-train is within the interval.  A balise taken for one at the cycle's beginning would put the train up to a cycle's way too
-far.
+train is within the interval.  A balise taken for one at the cycle's beginning would put the train up to a cycle's way
+too far.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from fractions import Fraction
 
 from models.position.journey import FromTheBeginning, Journey, UnstampedJourney
 from proofs.position_odometer import adhesion, brakes, gains, given, loses, no_traction, onset, scale
-from safety import PROVED, REFUTED, Bit, Seen, claim, count, implies
+from safety import PROVED, REFUTED, Bit, Scenario, Seen, claim, count, implies
 
 NAMES = "abcd"
 JITTER, SCALE = Fraction(1, 10), Fraction(1, 100)  # m, 1
@@ -61,6 +61,17 @@ def train_is_inside(s: Seen) -> Bit:
 LEMMAS = (speed_is_bounded, train_is_inside)
 
 
+def late_balise(place: str, since: str) -> Scenario:
+    """From standstill with 1 m/s^2, a code at 4.65 m after 3 s, a balise in the cycle from 4.96 to 5.28 m."""
+    told, at = {f"code.{name}": Fraction("4.65") for name in ("low", "place", "high")}, Fraction(place)
+    return Scenario(32, {
+        **told, "code.given": lambda k: k == 29, "at.gain": 1, "at.wheel": lambda k: Fraction(k + 1, 10),
+        "balise.seen": lambda k: k == 31, "balise.kind": 0, "balise.which.a": True, "balise.which.b": False,
+        "balise.which.c": False, "balise.which.d": False, "balise.since": Fraction(since),
+        "balise.passed": Fraction("5.28") - at, "at.spins": False, "at.slides": False,
+    })  # fmt: skip
+
+
 def inside(s: Seen) -> Bit:
     """A position that is relied on holds the head of the train at the end of the cycle."""
     return implies(s.matched.reliable, (s.position.low <= s.there) & (s.there <= s.position.high))
@@ -81,7 +92,8 @@ def relied_on_without_stamps_means_inside(s: Seen) -> Bit:
     return inside(s)
 
 
-@claim(FromTheBeginning, expect=REFUTED, given=given(*ALL), requirement="AP-1", twin_of=relied_on_means_inside, steps=6)
+@claim(FromTheBeginning, expect=REFUTED, given=given(*ALL), requirement="AP-1", twin_of=relied_on_means_inside,
+       scenario=late_balise("5.26", "0.02"), settings={PLACES[0]: Fraction("5.26")}, defeat=True)  # fmt: skip
 def relied_on_from_the_beginning(s: Seen) -> Bit:
     """The same where a balise passed in a cycle counts as passed at its beginning.  False: it is passed later, and the
     train is not yet where it is put."""
@@ -96,7 +108,8 @@ def relied_on_without_stamps_or_line_data(s: Seen) -> Bit:
     return inside(s)
 
 
-@claim(Journey, expect=REFUTED, given=given(*ODOMETER, listed, true_code), requirement="AP-1", steps=6,
+@claim(Journey, expect=REFUTED, given=given(*ODOMETER, listed, true_code), requirement="AP-1",
+       scenario=late_balise("4.98", "0"), settings={PLACES[0]: Fraction("4.98")},
        twin_of=relied_on_means_inside)  # fmt: skip
 def relied_on_with_any_stamp(s: Seen) -> Bit:
     """The same when the way since a balise may be counted wrongly with a wheel that grips.  False."""

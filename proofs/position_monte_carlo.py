@@ -161,7 +161,7 @@ def counts(seen: Sequence[Outcome]) -> dict[str, int]:
     id="position.slides_sampled", title="Missions with a slide, drawn with a pinned seed", requirement="AP-1",
     source="[A] distributions; runs of the model, bounds of Clopper and Pearson at 99 %", assumed=ASSUMED,
     note="Sampled, not proved.",
-    columns=(Column("mission"), Column("missions"), Column("of all"),
+    columns=(Column("what happens"), Column("missions"), Column("of"),
              Column("share, least", decimals=4, assumed=True), Column("share, greatest", decimals=4, assumed=True),
              Column("as pinned")),
 )  # fmt: skip

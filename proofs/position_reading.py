@@ -4,11 +4,13 @@ Normalised by its own span a group loses its scale error: what is left of an inn
 every slot, every jitter up to e, in true metres, and every scale.
 Source: AP-5; L = 40 m, u = 1 m, u_tol = 0.25 slot [A].
 
-Main results: 2e is reached, so e below 0.125 m is enough and needed; the decoder reads every true group as its code.
+Main results: 2e is reached, so e below 0.125 m is enough and needed; the decoder reads every true group as its code,
+up to e = 0.1249 m.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from fractions import Fraction
 
 from models.position.code import SLOTS, SPAN
@@ -19,6 +21,7 @@ from safety.prove.laws import law
 
 ASSUMED = ("[A] L = 40 m, 39 slots of 1 m",)
 JITTER, SCALE, HALF = Fraction(1, 10), Fraction(1, 100), Fraction(1, 2)
+EIGHTH = Fraction("0.1249")  # m, just below u_tol / 2
 
 
 def within(e: Real, *jitters: Real) -> Bit:
@@ -85,6 +88,11 @@ def a_true_group(s: Seen) -> Bit:
     return group_within(s, JITTER, SCALE)
 
 
+def almost_an_eighth(s: Seen) -> Bit:
+    """Five balises of a code collected, any scale within 1 %, any jitter up to 0.1249 m"""
+    return group_within(s, EIGHTH, SCALE)
+
+
 def with_more_jitter(s: Seen) -> Bit:
     """Five balises of a code collected, any scale within 1 %, any jitter up to 0.126 m"""
     return group_within(s, Fraction("0.126"), SCALE)
@@ -105,6 +113,20 @@ def group_within(s: Seen, jitter: Fraction, scale: Fraction) -> Bit:
     return near & scaled & code & same & (group.count == 5) & ~group.hit & (s.run >= 0) & (group.since_last >= 0)
 
 
+def true_balise(name: str, spot: str) -> Callable[[Seen], Bit]:
+    """What the slot of one inner balise needs of a true group: both ends and this balise, collected as they stand."""
+
+    def given(s: Seen) -> Bit:
+        group, spots, e = s.decoder.group, s.spots, JITTER * s.scale
+        near = all_of(*((s[f"jitter_{n}"] <= e) & (-e <= s[f"jitter_{n}"]) for n in ("first", name, "last")))
+        scaled = (s.scale >= 1 - SCALE) & (s.scale <= 1 + SCALE)
+        same = (getattr(group, spot) == getattr(spots, spot)) & (group.last == spots.last)
+        return near & scaled & (s[name] >= 1) & (s[name] <= SLOTS) & same
+
+    given.__doc__ = "First, last and this balise of a code collected, any scale within 1 %, any jitter up to 0.10 m"
+    return given
+
+
 def decided(s: Seen) -> Bit:
     """W behind the last balise is free."""
     return s.decoder.group.since_last + s.run > s.window
@@ -115,24 +137,55 @@ def slots_read(s: Seen) -> Bit:
     return all_of(*(s.reading[name] == s[name] for name in "pqr"))
 
 
+def and_slots_read_of_it(s: Seen) -> Bit:
+    """five balises of a code collected, any scale within 1 %, any jitter up to 0.1249 m; slots read as claimed of
+    each"""
+    return almost_an_eighth(s) & slots_read(s)
+
+
 def and_slots_read(s: Seen) -> Bit:
     """five balises of a code collected, any scale within 1 %, any jitter up to 0.10 m; slots read as claimed of each"""
     return a_true_group(s) & slots_read(s)
 
 
-@claim(TrueGroup, expect=PROVED, given=a_true_group, anywhere=True, requirement="AP-5", source="[A] DECIDE", steps=1)
+@claim(
+    TrueGroup,
+    expect=PROVED,
+    given=true_balise("p", "a"),
+    anywhere=True,
+    requirement="AP-5",
+    source="[A] DECIDE",
+    steps=1,
+)
 def first_slot_is_read(s: Seen) -> Bit:
-    """The first slot read is the group's: for every code, all jitter up to 0.10 m, every scale error up to 1 %."""
+    """The first slot read is the group's: for every code, all jitter up to 0.1249 m, every scale
+    error up to 1 %."""
     return s.reading.p == s.p
 
 
-@claim(TrueGroup, expect=PROVED, given=a_true_group, anywhere=True, requirement="AP-5", source="[A] DECIDE", steps=1)
+@claim(
+    TrueGroup,
+    expect=PROVED,
+    given=true_balise("q", "b"),
+    anywhere=True,
+    requirement="AP-5",
+    source="[A] DECIDE",
+    steps=1,
+)
 def second_slot_is_read(s: Seen) -> Bit:
     """The second slot read is the group's."""
     return s.reading.q == s.q
 
 
-@claim(TrueGroup, expect=PROVED, given=a_true_group, anywhere=True, requirement="AP-5", source="[A] DECIDE", steps=1)
+@claim(
+    TrueGroup,
+    expect=PROVED,
+    given=true_balise("r", "c"),
+    anywhere=True,
+    requirement="AP-5",
+    source="[A] DECIDE",
+    steps=1,
+)
 def third_slot_is_read(s: Seen) -> Bit:
     """The third slot read is the group's."""
     return s.reading.r == s.r
@@ -142,6 +195,20 @@ def third_slot_is_read(s: Seen) -> Bit:
 def a_true_group_is_accepted(s: Seen) -> Bit:
     """With these slots the code is accepted as soon as W behind the last balise is free."""
     return implies(decided(s), s.reading.accepted & slots_read(s))
+
+
+@claim(TrueGroup, expect=PROVED, given=and_slots_read_of_it, anywhere=True, requirement="AP-5", source="[A] DECIDE",
+       settings={"decoder.jitter": EIGHTH}, steps=1)  # fmt: skip
+def a_true_group_is_accepted_with_almost_an_eighth(s: Seen) -> Bit:
+    """The same with e = 0.1249 m, of which the decoder is told."""
+    return implies(decided(s), s.reading.accepted & slots_read(s))
+
+
+@claim(TrueGroup, expect=REFUTED, given=and_slots_read_of_it, anywhere=True, requirement="AP-5", steps=1,
+       twin_of=a_true_group_is_accepted_with_almost_an_eighth)  # fmt: skip
+def a_group_is_accepted_with_jitter_unknown_to_the_decoder(s: Seen) -> Bit:
+    """Jitter up to 0.1249 m with a decoder that is told 0.10 m.  False: its span check leaves less room."""
+    return implies(decided(s), s.reading.accepted)
 
 
 @claim(TrueGroup, expect=REFUTED, given=with_more_jitter, anywhere=True, requirement="AP-5", steps=1,

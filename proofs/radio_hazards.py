@@ -29,7 +29,6 @@ PARTED = "train integrity: parted train reported whole"
 SINGLES = ("ground computer: wrong order of trains", "ground computer: lost train", PARTED)
 
 
-
 def unless_struck(lemma: Formula) -> Formula:
     """The lemma of the proof without faults, until one of the singles strikes."""
     return named(f"{lemma.__name__}, unless a single has struck", lambda s: struck(s, *SINGLES) | lemma(s))

@@ -3,10 +3,10 @@
 Small-model argument. Put the followers of a line one behind the other, each as its leader's `Follower`. For each pair
 of neighbours read, out of the line, a leader, a follower and the inputs of `TwoTrains`: the leader's brake is what its
 own unit demands, the order to the follower what the cell behind it says, all else is an input of the line. If, read
-so, every register begins as in `TwoTrains`, follows the same law, and every assumption of `TwoTrains` is one of the
-line, then each run of the line is, for each pair, a run of `TwoTrains`; so whatever is proved of all its runs holds of
-each pair. A collision in a line is one of neighbours; so n does not matter as long as each further train is put on in
-the same way. What a pair takes as given, that its follower keeps its authority, is proved of a supervised train in any
+so, every register begins as in `TwoTrains`, follows the same law, and the line assumes what its pairs do and no more,
+then each run of the line is, for each pair, a run of `TwoTrains`; so whatever is proved of all its runs holds of each
+pair.  A collision in a line is one of neighbours; so n does not matter as long as each further train is put on in the
+same way.  What a pair takes as given, that its follower keeps its authority, is proved of a supervised train in any
 surroundings (`radio_authority`), and each follower of the line is one.
 
 `differences` checks the premise term by term, without a solver: the laws have to be the same terms.
@@ -26,7 +26,7 @@ from models.radio import Supervised, ThreeTrains, Train, TwoTrains
 from proofs.radio_formulas import Pair
 from safety import PROVED, REFUTED, Bit, Fault, Model, Seen, any_of_faults, claim, stuck
 from safety.system import System, substitute
-from safety.terms.graph import Term, rewrite
+from safety.terms.graph import Term, rewrite, variables
 from safety.terms.values import build
 from safety.tracing import trace
 
@@ -131,6 +131,24 @@ def _otherwise(
             yield f"{found.path} follows another law than {s.path}"
     granted = {a.uid for a in whole.assumptions.values()}
     yield from (f"{text!r} is not assumed" for text, a in lone.assumptions.items() if there(a).uid not in granted)
+    if model is TwoTrains:
+        yield from (f"{text!r} is assumed of the line, not of two trains" for text in unshared(whole, lone))
+
+
+def unshared(whole: System, lone: System) -> Iterator[str]:
+    """The assumptions of a line that none of its pairs makes: they might leave out runs."""
+    for text, assumed in whole.assumptions.items():
+        images = (_image(a, whole, text.removesuffix(own)) for own, a in lone.assumptions.items() if text.endswith(own))
+        if not any(image is assumed for image in images):
+            yield text
+
+
+def _image(term: Term, whole: System, prefix: str) -> Term | None:
+    """A term of the pair, read in the line with this before each name."""
+    names = {v.uid: f"{prefix}{v.attr}" for v in variables([term])}
+    if not set(names.values()) <= set(whole.names()):
+        return None
+    return rewrite(substitute([term], {uid: whole.lookup(name) for uid, name in names.items()}), _without_point)[0]
 
 
 class Misordered(ThreeTrains):

@@ -3,7 +3,7 @@
 Each mission is drawn with a pinned seed and run on the model; the share of dangerous ones is bounded by Clopper and
 Pearson at 99 %.  This is sampling, not proof: the distributions are assumed [A], and what is rare is not seen.  In one
 direction of the radio, drawn, nothing is heard for 1 to 25 s, from any moment on; the leader, at 36 km/h, parts after
-15 s and leaves its rear; the driver wants 0 to 100 km/h.
+15 s and leaves its rear; the driver wants 0 to 100 km/h, in one drawn sequence that all missions share.
 
 Result: none of 200 missions is dangerous, so at most 2.7 % are, with 99 % confidence.
 """

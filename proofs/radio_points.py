@@ -60,6 +60,13 @@ def even_when_the_route_is_released_without_acknowledgement(s: Seen) -> Bit:
     return points_move_outside_every_authority(s)
 
 
+@claim(PointsAhead, expect=REFUTED, requirement="AR-5", source="[D] section 9, R4", start=LINE.commissioned,
+       given=LINE.keeps_its_authority, symbolic=POINTS, twin_of=points_move_outside_every_authority)  # fmt: skip
+def even_when_the_leader_rolls_back_further_than_allowed_for(s: Seen) -> Bit:
+    """The same where the train ahead rolls back further than the ground allows for (R4 dropped)."""
+    return points_move_outside_every_authority(s)
+
+
 # --- crossing --------------------------------------------------------------------------------------------------------
 
 
@@ -87,4 +94,11 @@ def the_crossing_has_warned_when_a_train_is_on_it(s: Seen) -> Bit:
        faults=any_of_faults([Fault(stuck(1), ["crossing.warned_enough"])]))  # fmt: skip
 def even_when_the_barrier_is_lifted_early(s: Seen) -> Bit:
     """The same where an authority is granted over the crossing as soon as it warns."""
+    return the_crossing_has_warned_when_a_train_is_on_it(s)
+
+
+@claim(CrossingAhead, expect=REFUTED, requirement="AR-5", source="[D] section 9, R2", start=before_it,
+       given=LINE.allowed_for, symbolic=CROSSING, twin_of=the_crossing_has_warned_when_a_train_is_on_it)  # fmt: skip
+def even_when_the_train_does_not_keep_its_authority(s: Seen) -> Bit:
+    """The same of a train that runs on beyond its authority."""
     return the_crossing_has_warned_when_a_train_is_on_it(s)

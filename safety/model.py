@@ -16,7 +16,7 @@ import sys
 import typing
 from collections.abc import Callable, Iterator, Mapping
 from fractions import Fraction
-from typing import Any, cast, dataclass_transform
+from typing import Any, Self, cast, dataclass_transform
 
 from safety.fields import Parameter, PowerUp, fit, parameter, power_up, sort_of
 from safety.scope import assume, current, point, require
@@ -80,6 +80,23 @@ class Model:
         raise ModelError(
             f"{type(self).__name__}.{name} cannot be assigned; return a new {type(self).__name__}({name}=...)"
         )
+
+    def replaced(self, **values: Any) -> Self:
+        """The same with other values of some registers: for a part that its owner corrects after the part's step.
+
+        Raises `ModelError` for a name that is no register.
+        """
+        cls, following = type(self), object.__new__(type(self))
+        own = registers(cls)
+        unknown = values.keys() - own.keys()
+        if unknown:
+            name = sorted(unknown)[0]
+            raise ModelError(f"{cls.__name__} has no register {name!r}; {nearest(name, own)}")
+        for name, value in vars(self).items():
+            object.__setattr__(following, name, value)
+        for name, value in values.items():
+            object.__setattr__(following, name, fit(value, own[name][0], f"next({cls.__name__}.{name})"))
+        return following
 
     def parameter_value(self, declared: Parameter) -> Term:
         """The value of one of this model's parameters: set, default, or a rigid register where it is left open."""

@@ -22,6 +22,7 @@ from models.ats.nearest import nearest
 from models.ats.overrun import StationStop
 from models.ats.phase import Phase, PhaseReceiver, Told
 from models.ats.supervision import PLACES, Events, Orders, Supervision
+from models.ats.variants import BlindAtAPlace
 from models.position.correction import BRANCH, REFERENCE, RELEASE, SIGNAL, Entry, Matched
 from models.position.locator import Sighted, UnstampedLocator
 from models.position.odometer import Fix, step_s
@@ -106,8 +107,8 @@ class HomeSection(PhaseReceiver, tick_s=step_s):
 TARGET = "[A] line data: place of the signal, or first facing switch, that the balise is for"
 
 
-class Assigned(Model, tick_s=step_s):
-    """The balises, and which of them are those of the home signal and of the turnout."""
+class Targeted(Model, tick_s=step_s):
+    """The balises, each with the signal or turnout that it is for."""
 
     locator: UnstampedLocator
     sp: Home
@@ -125,13 +126,25 @@ class Assigned(Model, tick_s=step_s):
         """Refuse line data in which a balise is no farther from its target than the shortest distance says."""
         for name, (balise, target) in self.lines().items():
             far = (balise.kind == REFERENCE) | (target - balise.place >= self.sp.shortest)
+            turnout = (balise.kind != BRANCH) | (target != self.sp.signal_at)
             require(f"balise {name} is at the shortest distance from its target, or farther out", far,
                     nearest(f"target_{name}", balise.place + self.sp.shortest, "m"))  # fmt: skip
-        for name, (balise, target) in self.lines().items():
-            turnout = (balise.kind != BRANCH) | (target != self.sp.signal_at)
-            require(f"branch balise {name} is for a turnout", turnout, nearest(f"target_{name}", self.sp.switch_at, "m"))
+            require(f"branch balise {name} is for a turnout", turnout,
+                    nearest(f"target_{name}", self.sp.switch_at, "m"))  # fmt: skip
         ours = any_of(*((e.kind == SIGNAL) & (target == self.sp.signal_at) for e, target in self.lines().values()))
-        require("a signal balise is for the home signal", ours, nearest("signal_at", self.target_a, "m"))
+        require("a signal balise is for the home signal", ours, lambda: closest(self.lines(), self.sp.signal_at))
+
+
+def closest(lines: dict[str, tuple[Entry, Real]], signal: Real) -> str:
+    """What to say of a home signal that no signal balise is for."""
+    signals = [target for balise, target in lines.values() if balise.kind.attr == SIGNAL]
+    if not signals:
+        return f"the nearest admissible kind_a is {SIGNAL}, a signal balise"
+    return nearest("signal_at", min(signals, key=lambda target: abs(target.attr - signal.attr)), "m")()
+
+
+class Assigned(Targeted, tick_s=step_s):
+    """Which readings are those of the home signal and of the turnout."""
 
     def told(self, read: Reading, matched: Matched, phase: Told) -> Events:
         """A reading assigned to the targets."""
@@ -201,6 +214,16 @@ def outputs(orders: Orders, inputs: Inputs, sp: Supervision, sure: Bit) -> Outpu
 
 class AnySignalCounts(AnySignal, AtsSp, tick_s=step_s):
     """The set that takes each balise that it matches for one of its targets'."""
+
+
+class HomeAtAPlace(BlindAtAPlace, Home, tick_s=step_s):
+    """Supervision with the blind target that is kept as a place."""
+
+
+class KeepsAPlace(AtsSp, tick_s=step_s):
+    """The set with that supervision."""
+
+    sp: HomeAtAPlace
 
 
 class UnknownProceeds(AtsSp, tick_s=step_s):

@@ -15,7 +15,6 @@ from models.position.odometer import Position, step_s
 from models.radio.train import Motion, SetBack, Train
 from safety import Bit, Model, Real, bit, parameter, point, real
 
-
 STATE = ("head", "speed", "rear", "furthest", "left", "parted")
 
 

@@ -1,8 +1,8 @@
 """Following the signal: release balises between the first balise and the signal, and what they cannot follow.
 
 All balises of a signal show the same state.  A change to proceed is read at the next release balise: after the rest of
-the spacing.  A change back to stop is read there, too, or by the phase in the approach section (extension): the pattern is made
-again.  Behind the last balise, and without the extension, nothing reads it.
+the spacing.  A change back to stop is read there, too, or by the phase in the approach section (extension): the pattern
+is made again.  Behind the last balise, and without the extension, nothing reads it.
 Source: release balises [P]; spacing, extension [A].
 Main results: 200 m are 16.0 s at 45 km/h and 28.8 s at 25 km/h; a signal that returns to stop has its pattern from the
 next release balise on, or at once by the phase; behind the last one, without the phase, none (AV-4).
@@ -63,9 +63,7 @@ class Following(Model, tick_s=step_s):
         assume("the phase shows the signal", ~(phase.n & stop))
         receiver, told = self.receiver.step(phase, where)
         no, stopped = bit(False), (passed.signal & stop) | self.again(passed, stop, told)
-        events = Events(
-            stopped, passed.signal & ~stop, passed.release & ~stop, told.proceed, no, no, no, no, reset
-        )
+        events = Events(stopped, passed.signal & ~stop, passed.release & ~stop, told.proceed, no, no, no, no, reset)
         sp, orders = self.sp.step(events, where)
         inside = point("approaching", (passed.signal | self.inside) & (where.low < self.sp.signal_at))
         read = point("known_at_stop", stop & (self.read | passed.signal | passed.release))

@@ -39,6 +39,7 @@ LINE = {
 }  # fmt: skip
 """Settings: the line data of this stretch; the station lies beyond it."""
 AT_REST = {"vehicle.v": 0, "vehicle.x": SIGNAL_AT - START}  # power-up
+LENGTH = 200  # of the train, m
 LIMIT = 45 * KMH  # of the turnout, m/s
 PULSES_A_METRE = Fraction(PULSES) / (PI * Fraction("0.86"))  # of a wheel as it is set
 
@@ -148,8 +149,8 @@ def too_far(x: Real, at: Wayside) -> Bit:
 
 
 def too_fast(x: Real, v: Real, at: Wayside) -> Bit:
-    """On the turnout, above its limit."""
-    return (x <= SIGNAL_AT - SWITCH_AT) & (x >= SIGNAL_AT - SWITCH_CLEAR) & at.diverging & (v > LIMIT)
+    """From the head on the turnout until the rear is clear of it, above its limit."""
+    return (x <= SIGNAL_AT - SWITCH_AT) & (x >= SIGNAL_AT - SWITCH_CLEAR - LENGTH) & at.diverging & (v > LIMIT)
 
 
 def first(passing: dict[int, Bit]) -> UInt:

@@ -5,9 +5,9 @@
     more than one                                           keep, the interval widened by e on both sides [A]
     expected, and s_lo has passed it by w                   missed; two in succession: the position is unknown
 
-An unknown position stays so until a code tells it.  A balise is dealt with as of the instant of its detection, which may
-be anywhere in a cycle (`locator`).  The line data are four
-balises here: what is claimed of them holds for any kinds and places that the spacing admits.
+An unknown position stays so until a code tells it.  A balise is dealt with as of its detection, anywhere in a cycle
+(`locator`).  The line data are four balises here: what is claimed of them holds for any kinds and places that the
+spacing admits.
 Source: correction at every balise [P]; the rules and numbers [A].
 """
 

@@ -12,8 +12,6 @@ Source: five balises of a kind of their own [P]; rules and numbers [A].
 
 from __future__ import annotations
 
-import itertools
-from collections.abc import Sequence
 from fractions import Fraction
 from typing import ClassVar, NamedTuple, Self
 
@@ -25,11 +23,11 @@ from safety import (
     U6,
     Bit,
     Model,
-    ModelError,
     Real,
     UInt,
     all_of,
     any_of,
+    assume,
     bit,
     parameter,
     point,
@@ -78,17 +76,6 @@ def window(e: Fraction, eps: Fraction) -> Fraction:
 def span_tolerance(e: Fraction, eps: Fraction) -> Fraction:
     """How far the counted span of a true group can be from L, m."""
     return SPAN * eps + 2 * e * (1 + eps)
-
-
-def check_layout(starts: Sequence[Fraction | int], e: Fraction, eps: Fraction) -> None:
-    """Refuse groups whose neighbouring ends are not more than 2W apart: `ModelError` with the nearest place."""
-    for before, after in itertools.pairwise(starts):
-        least = before + SPAN + 2 * window(e, eps)
-        if not after > least:
-            raise ModelError(
-                f"group at {after} m after the one at {before} m: their ends are to be more than 2W = "
-                f"{float(2 * window(e, eps)):g} m apart; the nearest admissible value is any above {float(least):g} m"
-            )
 
 
 def below(name: str, limit: Real, divisor: Fraction | int, unit: str) -> str:
@@ -169,6 +156,7 @@ class Decoder(DecoderData, tick_s=step_s):
     def step(self, run: Real, balise: Bit, reverses: Bit, slips: Bit) -> tuple[Self, Reading]:
         """Counted way since the last step, m; whether a reference balise is at its end; reversal, slip or slide."""
         self.check()
+        assume("the train runs forward", run >= 0)
         group, spoilt = self.group, reverses | slips
         first, last = group.since_first + run, group.since_last + run
         ends = (group.count > 0) & (spoilt | self.over(first, last))

@@ -50,6 +50,8 @@ class Journey(Model, tick_s=step_s):
         true = travelled(self.odometer, Travelled(self.way, self.speed, self.raw), at)
         within = (balise.passed >= 0) & (balise.passed <= true.now * self.odometer.cycle)
         assume("a balise is passed anywhere within the cycle", ~balise.seen | within)
+        forward = (balise.since >= 0) & (balise.since <= at.wheel * self.odometer.cycle)
+        assume("the way since a balise is counted forward, within the cycle", ~balise.seen | forward)
         sight = Sighted(balise.seen, balise.kind, balise.since)
         odometer, correction, position, matched = locate(
             self.odometer, self.correction, at.wheel, sight, code, self.since

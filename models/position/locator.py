@@ -17,7 +17,7 @@ from collections.abc import Callable
 from typing import NamedTuple, Self
 
 from models.position.correction import Correction, Matched, Where
-from models.position.odometer import Fix, Odometer, Position, SpeedGenerator, smaller, step_s
+from models.position.odometer import Fix, Odometer, Position, SpeedGenerator, ordered, smaller, step_s
 from safety import U2, Bit, Model, Real, assume, bit, real, select
 
 
@@ -74,8 +74,6 @@ def locate(
     odometer: Odometer, correction: Correction, wheel: Real, sight: Sighted, code: Fix, rule: Rule
 ) -> tuple[Odometer, Correction, Position, Matched]:
     """One cycle: the wheel's mean speed in m/s, a balise, what a code tells of the end of the cycle."""
-    forward = (sight.since >= 0) & (sight.since <= wheel * odometer.cycle)
-    assume("the way since a balise is counted forward, within the cycle", ~sight.seen | forward)
     moved, now = odometer.step(wheel, NOTHING)
     sure = ~moved.watch.slip & ~moved.watch.slide
     way = rule(sight.since, Ran(sure, now.low - odometer.s_lo, now.high - odometer.s_hi, odometer.eps))
@@ -100,10 +98,9 @@ class Locator(Model, tick_s=step_s):
 
     def step(self, pulses: Real, sight: Sighted, code: Fix) -> tuple[Self, Located]:
         """One cycle: pulses a second; a balise passed in it; what a code tells of its end, if any."""
+        assume("what a code tells lies in its interval", ordered(code))
         generator, wheel = self.generator.step(pulses)
-        odometer, correction, position, matched = locate(
-            self.odometer, self.correction, wheel, sight, code, self.since
-        )
+        odometer, correction, position, matched = locate(self.odometer, self.correction, wheel, sight, code, self.since)
         following = type(self)(generator=generator, odometer=odometer, correction=correction)
         return following, Located(position, matched, wheel)
 

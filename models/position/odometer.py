@@ -9,8 +9,9 @@ cycle differs from that of the cycle before by at most a_hi (b_hi) times the cyc
     SLIDE   the wheel turns slower than the train, which brakes: from the larger of the wheel's speed and v_0 - b_hi t
             to the larger of the wheel's speed and v_0
 
-A fix puts the train to a place between two cycles: at the beginning of one (`step`), or at its end (`put`).  Speeds in pulses need the time between pulses: a pulse more or less
-in a cycle of 0.1 s would be 0.45 m/s, thrice what slip detection takes for a slip.
+A fix puts the train to a place at the beginning of a cycle (`step`), or at its end (`put`).  Speeds in pulses need the
+time between pulses: a pulse more or less in a cycle of 0.1 s would be 0.45 m/s, thrice what slip detection takes for a
+slip.  Pulses have no sign: the benches assume it of them, for the odometer cannot, where faults reach them.
 Source: integration of axle pulses, slip and slide corrected, balises at most about 1 km apart [P]; all numbers [A].
 """
 
@@ -20,7 +21,7 @@ from fractions import Fraction
 from typing import NamedTuple, Self
 
 from models.kinematics import CYCLE, KMH
-from safety import Bit, Model, Real, parameter, point, power_up, real, select
+from safety import Bit, Model, Real, assume, parameter, point, power_up, real, select
 
 PI = Fraction(355, 113)  # as stored on board; its error of 8.5e-8 is part of the scale error
 PULSES = 60  # a revolution [A]
@@ -48,6 +49,11 @@ class Fix(NamedTuple):
     low: Real
     place: Real
     high: Real
+
+
+def ordered(fix: Fix) -> Bit:
+    """Whether a fix, if given, lies in its interval."""
+    return ~fix.given | ((fix.low <= fix.place) & (fix.place <= fix.high))
 
 
 class Mode(NamedTuple):
@@ -186,7 +192,8 @@ class Odometer(Model, tick_s=step_s):
     b_hi: Real = parameter(Fraction("1.3"), unit="m/s^2", within=(0, 3), source="[A] the train loses no more")
 
     def step(self, wheel: Real, fix: Fix) -> tuple[Self, Position]:
-        """One cycle: the wheel's mean speed over it, m/s, and a fix at its beginning."""
+        """One cycle: the wheel's mean speed over it, m/s, without sign, and a fix at its beginning."""
+        assume("a fix lies in its interval", ordered(fix))
         cycle, gain, loss = self.cycle, self.a_hi * self.cycle, self.b_hi * self.cycle
         watch, mode = self.watch.step(wheel, cycle, self.b_hi)
         bounds, speeds = self.bounds.step(wheel, mode, self.eps, gain, loss)
@@ -195,14 +202,12 @@ class Odometer(Model, tick_s=step_s):
         s_lo = select(fix.given, fix.low, self.s_lo) + speeds.low * cycle
         s_hi = select(fix.given, fix.high, self.s_hi) + speeds.high * cycle
         following = type(self)(watch=watch, bounds=bounds, s=s, s_lo=s_lo, s_hi=s_hi)
-        slowest, fastest = larger(real(0), speeds.low - loss), speeds.high + gain
-        return following, Position(s_lo, s, s_hi, slowest, fastest)
+        return following, Position(s_lo, s, s_hi, larger(real(0), speeds.low - loss), speeds.high + gain)
 
     def put(self, fix: Fix) -> Self:
         """The position moved to what is known at the end of the cycle."""
-        given = fix.given
-        s, low = select(given, fix.place, self.s), select(given, fix.low, self.s_lo)
-        return type(self)(watch=self.watch, bounds=self.bounds, s=s, s_lo=low, s_hi=select(given, fix.high, self.s_hi))
+        s, low = select(fix.given, fix.place, self.s), select(fix.given, fix.low, self.s_lo)
+        return self.replaced(s=s, s_lo=low, s_hi=select(fix.given, fix.high, self.s_hi))
 
 
 class RememberingOdometer(Odometer, tick_s=step_s):

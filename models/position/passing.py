@@ -54,7 +54,6 @@ class Passing(Model, tick_s=step_s):
     def step(self, seen: Detection) -> tuple[Self, Passed]:
         """One stretch."""
         here, begun, more = self.first + seen.run, self.own > 0, self.own + self.lost.word() < FIVE
-        assume("the train runs forward", seen.run >= 0)
         assume("one balise at a time, five or four of the group", ~(seen.own & (seen.extra | ~more)))
         assume("the group is no longer than W", ~(begun & more) | (here <= SPAN + self.decoder.slack()))
         decoder, reading = self.decoder.step(seen.run, seen.own | seen.extra, bit(False), bit(False))

@@ -66,14 +66,14 @@ class Cell(Model, tick_s=CYCLE):
         in_force = select(extends, want, before)
         keeps = in_force <= wish.to - self.allowance - self.margin
         sets_back = point("sets_back", wish.set_back & ~self.backing & (wish.to <= known) & keeps)
-        done = point("carried_out", self.backing & receipt.comes & (receipt.stamp >= self.known_stamp))
+        done = self.backing & point("carried_out", receipt.comes & (receipt.stamp >= self.known_stamp))
         cell = Cell(
             known=select(sets_back, wish.to, known), known_stamp=select(sets_back | done, now, stamp),
             in_force=in_force, asking=~extends, asked=asked, asked_stamp=select(open_still, self.asked_stamp, now),
             backing=sets_back | (self.backing & ~done),
         )  # fmt: skip
-        back = Message(self.known_stamp, self.known)
-        return cell, Orders(Message(now, select(extends, want, asked)), self.backing, back)
+        authority = Message(now, select(extends, want, asked))
+        return cell, Orders(authority, self.backing, Message(self.known_stamp, self.known))
 
 
 def heard(cell: Cell, report: Arrival, beyond: Real) -> tuple[Real, Real]:

@@ -55,7 +55,8 @@ class Channel(Model, tick_s=CYCLE):
     """An adversary's radio in one direction: it loses, delays, replays and reorders messages as it likes.
 
     Either slot may hold any message that was ever sent, and each may be delivered at any time, any number of times.  It
-    makes none up: what is corrupted does not pass its check sum (`intact`).
+    makes none up: what is corrupted does not pass its check sum (`intact`), which covers sender and addressee [A]: no
+    message for another train is taken.
     """
 
     one: Slot

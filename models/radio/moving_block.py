@@ -1,8 +1,9 @@
 """Radio control: trains one behind the other, each kept behind the rear of the one ahead by messages alone.
 
 A `Follower` is a train with its unit, its cell on the ground, the five channels of the pair that it makes with its
-leader, and what the leader has carried out of its orders.  A line of n trains is a leader that nothing supervises (its authority does not matter here) and n - 1
-followers; each is built onto the line ahead of it, so all pairs are made of one text.
+leader, and what the leader has carried out of its orders.  A line of n trains is a leader that nothing supervises (its
+authority does not matter here) and n - 1 followers; each is built onto the line ahead of it, so all pairs are made of
+one text.
 Source: section 9 [P]; one cell a train [A].
 """
 
@@ -36,7 +37,7 @@ class Report(NamedTuple):
 
 
 class SettingBack(Model, tick_s=CYCLE):
-    """On board of a leader: it carries out an order to set back newer than any before; `stamp` is that of the newest."""
+    """On board of a leader: an order newer than any before is carried out; `stamp` is that of the newest."""
 
     stamp: Real = power_up(ANY)
 
@@ -70,10 +71,8 @@ class Follower(Model, tick_s=CYCLE):
         orders, back = self.orders.step(told_all.backs, told_all.back, air.orders)
         setting_back, ordered = self.setting_back.step(back)
         driven, _ = self.driven.step(now, came, order, motion)
-        follower = Follower(
-            reports=reports, authorities=authorities, echoes=echoes, orders=orders, receipts=receipts, cell=cell,
-            setting_back=setting_back, driven=driven,
-        )  # fmt: skip
+        follower = Follower(reports=reports, authorities=authorities, echoes=echoes, orders=orders, receipts=receipts,
+                            cell=cell, setting_back=setting_back, driven=driven)  # fmt: skip
         return follower, ordered
 
 

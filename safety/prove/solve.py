@@ -10,6 +10,7 @@ import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
+from itertools import product
 from typing import Any, cast
 
 from safety.prove.apart import answered_apart
@@ -20,8 +21,9 @@ from safety.terms.values import const
 
 FIRST_MS, SECOND_MS = 2000, 8000  # that z3's two ways with reals have in turn, before nlsat has the rest
 FEW_BITS = 6
-COVERINGS, JUSTIFIED = {"nl-ext": "none"}, {"decision": "justification"}  # cvc5's two ways with reals
-TURNS = ((COVERINGS, 3.0), (JUSTIFIED, 12.0), (COVERINGS, math.inf))  # and the seconds that each has
+COVERINGS, JUSTIFIED = {"nl-ext": "none"}, {"decision": "justification"}
+WAYS = (COVERINGS, JUSTIFIED, dict[str, str]())  # of cvc5 with reals: what one decides at once another may never
+TURNS = (2.0, 8.0, math.inf)  # seconds that each of them has
 SAT, UNSAT, UNKNOWN = "sat", "unsat", "unknown"
 GRACE = 1.0  # seconds beyond its own limit that a solver in a process of its own is given
 
@@ -78,8 +80,8 @@ class Solver:
 
     `finite`: the question has bits and bit-vectors only (z3 then runs its incremental SAT engine, cvc5 turns it into
     SAT at once: its ways of doing so while solving took minutes on a serial adder, or on 80 faults).
-    `real`: it has reals and bits only.  Each solver then has two ways, and a question that takes one of them a tenth of
-    a second may take the other minutes: they have their turns.
+    `real`: it has reals and bits only.  Each solver then has several ways, and a question that takes one a tenth of
+    a second may take another minutes: they have their turns.
     `alone` (z3): in a context of its own, so that its models do not depend on what was asked before it.
     """
 
@@ -152,7 +154,7 @@ class Solver:
     def _asked_apart(self) -> str:
         """cvc5's answer for reals, its ways having their turns."""
         until = time.monotonic() + self.timeout + GRACE
-        for way, most in TURNS:
+        for most, way in product(TURNS, WAYS):
             left = until - time.monotonic()
             answer = answered_apart(partial(self._asked_with, way), min(most, left)) if left > 0 else ""
             if answer in (SAT, UNSAT):

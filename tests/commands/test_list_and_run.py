@@ -85,6 +85,28 @@ def test_run_takes_a_pattern_for_inputs_and_the_later_value_wins(run: Run) -> No
     assert [line.split() for line in still.out.splitlines()] == [["step", "pulse"], ["0", "0"]]
 
 
+def test_run_takes_inputs_after_options_and_between_them(run: Run) -> None:
+    called = run("run", "Counter", "pulse=1", "--steps", "3")
+    for words in (["--steps", "3", "Counter", "pulse=1"], ["Counter", "--steps", "3", "pulse=1"],
+                  ["Counter", "pulse=0", "--steps", "3", "pulse=1"]):  # fmt: skip
+        assert (run("run", *words).code, run("run", *words).out) == (0, called.out)
+
+
+def test_run_with_an_unknown_option_says_where_to_look(run: Run) -> None:
+    called = run("run", "Counter", "--stps", "3", "pulse=1")
+    assert called.code == 2
+    assert "unrecognized arguments: --stps" in called.err and "`rightside run --help`" in called.err
+
+
+def test_run_refuses_a_name_of_several_models_and_takes_the_full_one(run: Run, project: Path) -> None:
+    put(project, "models/other.py", (project / "models/counter.py").read_text())
+    called = run("run", "Counter", "pulse=1")
+    assert (called.code, called.out) == (2, "")
+    assert "counter.Counter, other.Counter; give one of these names" in called.err
+    for name in ("other.Counter", "models.counter.Counter"):
+        assert run("run", name, "pulse=1").code == 0
+
+
 def test_run_takes_rows_settings_and_faults(run: Run, project: Path) -> None:
     put(project, "rows.csv", "pulse\n" + "1\ntrue\n0\n1\n1\n1\n1\n1\n")
     words = ["--csv", "rows.csv", "--set", "limit=4", "--fault", "stuck(0)@seen:1+1", "--fault", "stuck(0)@alarm.out:7"]

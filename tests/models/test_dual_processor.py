@@ -43,8 +43,7 @@ def test_verdict(name: str) -> None:
 def test_every_proved_claim_has_a_twin_that_fails() -> None:
     twins = {claim.twin_of for claim in CLAIMS.values() if claim.expect == REFUTED}
     proved = [claim for claim in CLAIMS.values() if claim.expect != REFUTED]
-    without = {c.formula.__name__ for c in proved if c.id not in twins}
-    assert without == {"buses_alone_are_safe", "one_fault_in_both_never_stops"}, "these say why a refuted claim is so"
+    assert proved and {claim.id for claim in proved} <= twins
 
 
 def broken(fault: Fault, row: Callable[[int], dict[str, Any]], steps: int) -> Trace:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import replace
 
 import pytest
@@ -12,12 +13,13 @@ from proofs import patterns_hazards as hazards
 from proofs import patterns_monte_carlo as sampled
 from proofs import patterns_parts as parts
 from proofs import patterns_transmission_compared as compared
-from safety import ModelError
+from safety import PROVED, REFUTED, ModelError
 from safety.exhibits import declared
 from safety.inject.space import CampaignError
+from safety.prove.claims import Claim, registered
 from safety.prove.hazards import cut_sets
 from safety.prove.hazards import hazards as all_hazards
-from safety.prove.prove import Limits
+from safety.prove.prove import Limits, prove
 
 LIMITS = Limits(timeout=60)
 HAZARDS = {h.claim.model: h for h in all_hazards() if h.id.startswith("patterns_hazards.")}
@@ -97,6 +99,20 @@ def test_exhibits_are_as_asked() -> None:
     assert parts.TABLE and compared.CASES
     made = [e.evaluate() for e in declared() if e.id in ("patterns.fault-table", "patterns.transmission")]
     assert len(made) == 2 and all(one["as_expected"] for one in made)
+
+
+def test_each_proved_cell_of_the_comparison_has_both_its_premises_dropped() -> None:
+    claims = [one for one in registered() if one.id.startswith("patterns_transmission_compared.")]
+    dropped = Counter(one.twin_of for one in claims if one.expect == REFUTED and one.twin_of)
+    assert dropped == {one.id: 2 for one in claims if one.expect == PROVED}
+    assert len(dropped) == sum(case.right.count(True) for case in compared.CASES.values()) == 10
+
+
+@pytest.mark.parametrize("twin", [one for one in registered() if one.id.startswith("patterns_transmission_compared.")
+                                  and one.twin_of], ids=lambda one: one.formula.__name__)  # fmt: skip
+def test_a_dropped_premise_is_refuted_by_a_replayed_run(twin: Claim) -> None:
+    outcome = prove(twin, LIMITS)
+    assert outcome.verdict == REFUTED and outcome.counterexample is not None
 
 
 def test_samples_are_those_declared() -> None:

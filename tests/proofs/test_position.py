@@ -19,6 +19,7 @@ from proofs import (
     position_guard,
     position_journey,
     position_odometer,
+    position_placing,
     position_reading,
 )
 from safety import REFUTED, Bit, Model, Real, Scenario, bit, select
@@ -37,6 +38,7 @@ MODULES = (
     position_guard,
     position_journey,
     position_odometer,
+    position_placing,
     position_reading,
 )
 CLAIMS = {c.id: c for m in MODULES for c in claims_of(m).values()}
@@ -49,6 +51,7 @@ SLOW = {  # seconds each, or nearly the same question once more
     "position_reading.first_slot_is_read",
     "position_reading.second_slot_is_read",
     "position_reading.third_slot_is_read",
+    "position_reading.a_true_group_is_accepted_with_almost_an_eighth",
     "position_odometer.inside_in_the_variant",
     "position_odometer.speed_is_bounded_at_the_end",
     "position_odometer.interval_holds_the_train",  # in the acceptance check AS-08

@@ -46,7 +46,7 @@ def test_a_stop_that_has_been_made_is_not_asked_for_again() -> None:
 
 
 def test_a_window_narrower_than_the_position_is_sure_is_refused() -> None:
-    with pytest.raises(ModelError, match="wider than `uncertain`"):
+    with pytest.raises(ModelError, match="nearest admissible window is any above 2 m"):
         run(StationStop, {}, 1, settings={"window": 1})
 
 

@@ -73,8 +73,22 @@ def test_another_section_does_not_release(at: int) -> None:
     assert released("0.5", at=at, model=AnySection)
 
 
+@pytest.mark.parametrize(
+    ("phases", "at", "tells"),
+    [("NR", 300, [1]), ("N-R", 300, [2]), ("RR", 300, []), ("-R", 300, []), ("NRR", 300, [1]), ("NR", 5, [])],
+)
+def test_the_phase_back_to_r_tells_stop_once(phases: str, at: int, tells: list[int]) -> None:
+    def row(k: int) -> dict[str, Any]:
+        here = dict.fromkeys(("where.low", "where.guess", "where.high"), at)
+        phase = {"phase.n": phases[k] == "N", "phase.r": phases[k] == "R", "phase.changed": False, "phase.age": 0}
+        return phase | here | {"where.fastest": 20, "where.slowest": 20}
+
+    told = run(PhaseReceiver, row, len(phases))["back_at_stop"]
+    assert [k for k, back in enumerate(told) if back] == tells
+
+
 def test_a_section_of_joint_zones_is_refused() -> None:
-    with pytest.raises(ModelError, match="longer than both joint zones"):
+    with pytest.raises(ModelError, match=r"longer than both joint zones.*nearest admissible ends is any above 20 m"):
         run(PhaseReceiver, {}, 1, settings={"ends": 20})
 
 

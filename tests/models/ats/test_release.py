@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from models.ats.release import Following, balises, detection_delay
+from models.ats.release import Following, OnlyByBalise, OnlyByPhase, balises, detection_delay
 from models.kinematics import B_EMERGENCY, T_EMERGENCY, ceiling, kmh, mps
 from proofs import ats_release
 from safety import ModelError, run
@@ -34,6 +34,35 @@ def test_as_11_an_emergency_brake_from_100_m_out() -> None:
     check(of(ats_release.an_emergency_brake_100_m_out_suffices, OWN_LEMMAS))
     beyond = of(ats_release.an_emergency_brake_100_m_out_suffices_at_45_23, OWN_LEMMAS)
     check(beyond)
+
+
+@pytest.mark.parametrize("model", [Following, OnlyByPhase])
+def test_a_release_balise_at_stop_makes_the_pattern_again(model: Any) -> None:
+    """The signal clears at step 30 and returns to stop at 60; release balises are passed at 50 and 100."""
+
+    def row(k: int) -> dict[str, Any]:
+        where = dict.fromkeys(("where.low", "where.guess", "where.high"), Fraction(2 * k))
+        speed = {"where.fastest": 20 * (k > 0), "where.slowest": 0}
+        balise = {"passed.signal": k == 1, "passed.release": k in (50, 100)}
+        phase = {"phase.n": False, "phase.r": False, "phase.changed": False, "phase.age": 0}
+        return where | speed | balise | phase | {"stop": not 30 <= k < 60, "reset": k == 0}
+
+    pattern = run(model, row, 130)["sp.home.target.pattern"]
+    again = model is Following
+    assert pattern == [False] + [True] * 49 + [False] * 50 + [again] * 30
+
+
+@pytest.mark.parametrize("model", [Following, OnlyByBalise])
+def test_the_phase_back_at_stop_makes_the_pattern_again(model: Any) -> None:
+    def row(k: int) -> dict[str, Any]:
+        where, clear = dict.fromkeys(("where.low", "where.guess", "where.high"), Fraction(20 + k)), 10 <= k < 20
+        phase = {"phase.n": clear, "phase.r": not clear, "phase.changed": False, "phase.age": 0}
+        speed = {"where.fastest": 20 * (k > 0), "where.slowest": 0}
+        return where | speed | phase | {"passed.signal": k == 1, "passed.release": False, "stop": not clear,
+                                        "reset": k == 0}  # fmt: skip
+
+    pattern = run(model, row, 30)["sp.home.target.pattern"]
+    assert pattern == [False] + [True] * 11 + [False] * 8 + [model is Following] * 10
 
 
 def test_as_11_a_signal_that_returns_to_stop_leaves_no_pattern_and_no_brake() -> None:

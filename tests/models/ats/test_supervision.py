@@ -9,6 +9,7 @@ import pytest
 
 from models.ats.ride import GuardRide, NearEndRide, NoFreeRunRide
 from models.ats.supervision import Supervision
+from models.ats.variants import BlindAtAPlace, BlindMovesOn
 from models.kinematics import ACCELERATION, B_SERVICE, MARGIN, T_SERVICE, ceiling, mps
 from proofs import ats_supervision, ats_supervision_targets
 from safety import PROVED, ModelError, run
@@ -115,10 +116,10 @@ def test_service_comes_first_then_emergency(x: int) -> None:
 @pytest.mark.parametrize(
     ("model", "settings", "says"),
     [
-        (Supervision, {"switch_at": 900}, "switch_clear from switch_at up"),
-        (Supervision, {"b_e": Fraction(1, 2)}, "b_e from b_s up"),
-        (Supervision, {"t_s": 1}, "t_s from t_e up"),
-        (GuardRide, {"train.acts": 3}, "t_s from cycle"),
+        (Supervision, {"switch_at": 900}, "nearest admissible switch_clear is 900 m"),
+        (Supervision, {"b_e": Fraction(1, 2)}, "nearest admissible b_e is 0.694444 m/s"),
+        (Supervision, {"t_s": 1}, "nearest admissible t_s is 1.5 s"),
+        (GuardRide, {"train.acts": 3}, "nearest admissible t_s is 3.1 s"),
         (Supervision, {"margin": -1}, "nearest admissible value is 0"),
     ],
 )
@@ -137,6 +138,44 @@ def test_proofs_have_both_solvers(module: Any) -> None:
 def test_laws() -> None:
     laws = [one for one in declared() if one.id.startswith("ats_supervision_targets.")]
     assert [one.found(30)["verdict"] for one in laws] == [one.expect for one in laws] == [PROVED, "refuted"]
+
+
+def blind_left(model: Any, jump: int) -> tuple[list[Fraction], list[bool]]:
+    """What is left to the blind target of a train at 10 m/s: made at 10 m, again at 90 m; its place is told `jump` m
+    nearer from 120 m on."""
+    flags = (
+        "stop_read",
+        "clear_read",
+        "release_read",
+        "phase_released",
+        "branch_read",
+        "station_made",
+        "station_ended",
+    )
+
+    def row(k: int) -> dict[str, Any]:
+        at = Fraction(k) - jump * (k >= 120)
+        where = dict.fromkeys(("where.low", "where.guess", "where.high"), at)
+        speed = {"where.fastest": 10 * (k > 0), "where.slowest": 0}
+        events = dict.fromkeys((f"events.{flag}" for flag in flags), False)
+        return events | where | speed | {"events.stray_stop": k in (10, 90), "events.reset": k == 0}
+
+    told = run(model, row, 200)
+    return told["blind.target.left"][10:], told["service"][10:]
+
+
+@pytest.mark.parametrize("jump", [0, 500, -500])
+def test_nothing_but_the_way_run_moves_the_blind_target(jump: int) -> None:
+    left, service = blind_left(Supervision, jump)
+    assert left == [179 - k for k in range(190)]
+    need = 10 * T_SERVICE + 100 / (2 * B_SERVICE)
+    assert service == [each - MARGIN < need for each in left]
+
+
+def test_as_it_was_a_fix_or_another_stop_released_its_brake() -> None:
+    service = blind_left(BlindAtAPlace, 500)[1]
+    assert service[109] and not any(service[110:])
+    assert blind_left(BlindMovesOn, 0)[0][80] == 179
 
 
 @pytest.mark.parametrize("slip", [NearEndRide, NoFreeRunRide])

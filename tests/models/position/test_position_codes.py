@@ -12,6 +12,7 @@ import pytest
 from models.position import code_sets
 from models.position.code import (
     CODES,
+    Code,
     all_codes,
     binomials_equal_to,
     codes_in_span,
@@ -27,7 +28,17 @@ from models.position.code import (
     unrank,
     wrong_readings,
 )
-from models.position.code_sets import TURNED, bose, both_ways, largest_part, most_codes, pairwise, shared, undetected
+from models.position.code_sets import (
+    TURNED,
+    CodeSet,
+    bose,
+    both_ways,
+    largest_part,
+    most_codes,
+    pairwise,
+    shared,
+    undetected,
+)
 from models.position.misreading import Tolerances, misreadings, undetected_anywhere
 from models.position.on_slots import group, read
 from safety import ModelError
@@ -126,12 +137,24 @@ def test_a_planted_code_is_noticed() -> None:
 
 def test_extra_balise_anywhere() -> None:
     two = frozenset({(2, 25, 32), (1, 3, 25)})
-    assert two <= bose(TURNED) and ((2, 25, 32), (1, 3, 25)) in undetected_anywhere(two, Tolerances())
-    assert undetected_anywhere(two, Tolerances(eps=Fraction("0.004"))) == []
-    plain = bose()
-    seen_on_slots = undetected(plain)
+    assert two <= bose(TURNED) and ((2, 25, 32), (1, 3, 25)) in misread(two, Fraction("0.01"))
+    assert all(code == seen for code, seen in misread(two, Fraction("0.004")))
+    seen_on_slots = undetected(bose())
     some = frozenset(code for pair in seen_on_slots for code in pair)
-    assert {*seen_on_slots} <= {*undetected_anywhere(some, Tolerances(eps=Fraction("0.004")))}
+    assert {*seen_on_slots} <= misread(some, Fraction("0.004"))
+
+
+def misread(codes: CodeSet, eps: Fraction) -> set[tuple[Code, Code]]:
+    """Codes and what they can be read as, at a scale error."""
+    return {(each.code, each.read) for each in undetected_anywhere(codes, Tolerances(eps=eps))}
+
+
+def test_own_code_with_an_origin_that_is_off() -> None:
+    """The first balise lost, an extra one 0.2 m before its place: foreseen for every code, by more than e."""
+    eps = Fraction("0.004")
+    own = [x for x in undetected_anywhere(bose(TURNED), Tolerances(eps=eps)) if x.code == x.read]
+    assert len(own) == 247 and all(x.off >= Fraction("0.3") for x in own)
+    assert max(x.off for x in own) == Fraction(517, 830)
 
 
 # --- one fault, every slot -------------------------------------------------------------------------------------------

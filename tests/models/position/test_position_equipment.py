@@ -9,13 +9,14 @@ from functools import cache
 
 import pytest
 
-from models.position.code import Code, substituted
+from models.position.code import Code, mirror, substituted
 from models.position.code_sets import TURNED, bose
 from models.position.correction import Correction
-from models.position.decoder import Decoder, Thinned, Unguarded, check_layout, span_tolerance, window
-from models.position.locator import Locator
-from models.position.odometer import PI, PULSES, SpeedGenerator, step_s
+from models.position.decoder import Decoder, Thinned, Unguarded, span_tolerance, window
+from models.position.locator import Locator, UnstampedLocator
+from models.position.odometer import PI, PULSES, Odometer, SpeedGenerator, step_s
 from models.position.on_slots import group, read
+from models.position.placing import CodeReader, Group, Placing
 from models.position.ride import Ride
 from proofs import position_drift, position_limits, position_odometer, position_reading
 from safety import PROVED, Model, ModelError
@@ -249,14 +250,14 @@ def test_premises_of_the_odometer_have_each_a_twin() -> None:
 def test_a_balise_corrects_the_position() -> None:
     """From a code at 900 m, 20 m/s, a wheel that counts 1 % too little: at 1000 m the balise is adopted."""
     per_metre = PULSES / (Fraction("0.86") * PI) * Fraction("0.99")
-    names = ("seen", "code.given", "kind", "code.low", "code.place", "code.high")
+    names = ("sight.seen", "code.given", "sight.kind", "sight.since", "code.low", "code.place", "code.high")
     nothing = dict.fromkeys(names[:2], False) | dict.fromkeys(names[2:], 0)
     moving = {**nothing, "pulses": 20 * per_metre}
     rows = [{**nothing, "pulses": CYCLE * n * per_metre} for n in range(1, 201)]
-    rows += [{**moving, "code.given": True, "code.low": 899, "code.place": 900, "code.high": 901}]
-    seen = run(Locator, [*rows, *[moving] * 49, {**moving, "seen": True}, moving])
+    rows[-1] |= {"code.given": True, "code.low": 899, "code.place": 900, "code.high": 901}
+    seen = run(Locator, [*rows, *[moving] * 50, {**moving, "sight.seen": True, "sight.since": 2 * Fraction("0.99")}])
     assert seen["position.guess"][249] == 900 + 50 * 2 * Fraction("0.99")
-    assert not seen["matched.reliable"][199] and seen["matched.reliable"][200]
+    assert not seen["matched.reliable"][198] and seen["matched.reliable"][199]
     assert seen["matched.adopted"][250] and seen["matched.fix.place"][250] == 1000
     assert seen["position.low"][250] < 1002 < seen["position.high"][250]
 
@@ -278,6 +279,88 @@ def test_what_cannot_be_honoured_is_refused(model: type[Model], settings: dict[s
 def test_groups_too_near_each_other_are_refused() -> None:
     e, eps = Fraction(1, 10), Fraction(1, 100)
     assert (window(e, eps), span_tolerance(e, eps)) == (Fraction("40.602"), Fraction("0.602"))
-    check_layout((0, 122), e, eps)
-    with pytest.raises(ModelError, match=r"nearest admissible value is any above 121\.204 m"):
-        check_layout((0, 121), e, eps)
+    trace(Near)
+    with pytest.raises(ModelError, match=r"nearest admissible place is any above 121\.204 m"):
+        trace(Nearer)
+
+
+class Near(Placing, tick_s=step_s):
+    groups = (Group((5, 12, 30), Fraction(122)), Group((7, 20, 31), Fraction(0)))
+
+
+class Nearer(Placing, tick_s=step_s):
+    groups = (Group((7, 20, 31), Fraction(0)), Group((5, 12, 30), Fraction(121)))
+
+
+class Mirrored(Placing, tick_s=step_s):
+    groups = (Group((5, 12, 30), Fraction(0)), Group((10, 28, 35), Fraction(1000)))
+
+
+class Palindrome(Placing, tick_s=step_s):
+    groups = (Group((10, 20, 30), Fraction(0)),)
+
+
+@pytest.mark.parametrize("model", [Mirrored, Palindrome])
+def test_codes_that_do_not_tell_the_direction_are_refused(model: type[Model]) -> None:
+    with pytest.raises(ModelError, match="one of them backwards"):
+        trace(model)
+
+
+class AllOfThem(Placing, tick_s=step_s):
+    groups = tuple(Group(code, Fraction(1000 * n)) for n, code in enumerate(sorted(bose(TURNED))))
+
+
+def test_ap_8_every_code_tells_place_and_direction() -> None:
+    """247 groups, each passed both ways; codes that are not installed tell nothing."""
+    ways = [(mirror(code) if back else code, at, back) for code, at in AllOfThem.groups for back in (False, True)]
+    told = {"reading.accepted": True, "reading.rejected": False, "reading.origin": 80}
+    rows = [{**told, **dict(zip(("reading.p", "reading.q", "reading.r"), code, strict=True))} for code, _, _ in ways]
+    seen = run(AllOfThem, [*rows, {**rows[0], "reading.p": 1, "reading.q": 2, "reading.r": 3}])
+    assert seen["fix.place"][:-1] == [at - 40 if back else at + 80 for _, at, back in ways]
+    assert seen["rising"][:-1] == [not back for *_, back in ways]
+    assert seen["fix.given"] == [True] * len(ways) + [False]
+    assert seen["fix.high"][0] - seen["fix.low"][0] == 2 * (Fraction(1, 10) + Fraction(80, 100))
+
+
+@pytest.mark.parametrize("back", [False, True])
+def test_balises_to_fix(back: bool) -> None:
+    """{7, 20, 31} at 30 km, passed either way: decoder and places together hold the train."""
+    places = (0, *((9, 20, 33) if back else (7, 20, 31)), 40)
+    runs = [b - a for a, b in zip([0, *places], places, strict=False)]
+    still = {"balise": True, "reverses": False, "slips": False}
+    seen = run(CodeReader, [*({**still, "run": way} for way in runs), {**still, "balise": False, "run": 45}])
+    assert seen["fix.given"] == [False] * 5 + [True] and seen["rising"][-1] != back
+    head = 30_040 - 85 if back else 30_085
+    assert seen["fix.low"][-1] < head == seen["fix.place"][-1] < seen["fix.high"][-1]
+
+
+BACKWARDS = {"balise": False, "reverses": False, "slips": False, "run": -5}
+NO_FIX = dict.fromkeys(("fix.low", "fix.place", "fix.high", "wheel"), 0)
+
+
+@pytest.mark.parametrize(
+    ("model", "row"), [(Decoder, BACKWARDS), (Odometer, {**NO_FIX, "fix.given": True, "fix.low": 10, "fix.high": -10})]
+)
+def test_inputs_that_cannot_be_are_refused(model: type[Model], row: dict[str, object]) -> None:
+    with pytest.raises(ModelError, match="breaks the assumption"):
+        run(model, [row])
+
+
+@pytest.mark.parametrize("hundredths", [0, 4, 14, 20, 27])
+def test_a_balise_anywhere_in_a_cycle(hundredths: int) -> None:
+    """At 100 km/h, the balise so many tenths of a metre before the end of its cycle: the train is in the interval."""
+    speed, since = Fraction(250, 9), Fraction(hundredths, 10)
+    per_metre = PULSES / (Fraction("0.86") * PI)
+    still = {"sight.seen": False, "sight.kind": 0, "sight.since": 0, "pulses": 0, "code.given": False,
+             **dict.fromkeys(("code.low", "code.place", "code.high"), 0)}  # fmt: skip
+    rows = [{**still, "pulses": min(speed, n * CYCLE) * per_metre} for n in range(1, 300)]
+    told = 1000 + since - 40 * speed * CYCLE
+    rows[-1] |= {"code.given": True, "code.low": told, "code.place": told, "code.high": told}
+    rows += [{**still, "pulses": speed * per_metre}] * 39
+    rows.append({**still, "pulses": speed * per_metre, "sight.seen": True, "sight.since": since})
+    seen = run(Locator, rows)
+    assert seen["matched.adopted"][-1] and seen["position.guess"][-1] == 1000 + since
+    off = Fraction(1, 10) + since / 100
+    assert (seen["position.low"][-1], seen["position.high"][-1]) == (1000 + since - off, 1000 + since + off)
+    broad = run(UnstampedLocator, rows)
+    assert broad["position.low"][-1] <= 1000 + since <= broad["position.high"][-1]

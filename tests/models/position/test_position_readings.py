@@ -8,13 +8,13 @@ from typing import Any
 
 import pytest
 
-from models.position import correction, decoder, journey, locator, odometer, passing, ride, sighting
+from models.position import correction, decoder, journey, locator, odometer, passing, placing, ride, sighting, told
 from safety.model import Model
 from safety.terms.graph import Sort
 from safety.trace import Stepper
 from safety.tracing import direct_step, trace
 
-MODULES = (odometer, correction, decoder, journey, locator, ride, passing, sighting)
+MODULES = (odometer, correction, decoder, journey, locator, ride, passing, placing, sighting, told)
 MODELS = sorted(
     {
         m

@@ -6,12 +6,13 @@ from dataclasses import replace
 
 import pytest
 
-from models.radio import FourTrains, Message, Slot, Supervised, ThreeTrains, TwoTrains
+from models.radio import Air, FourTrains, Message, Motion, SetBack, Slot, Supervised, ThreeTrains, TwoTrains, Wish
+from models.radio.moving_block import More
 from proofs.radio_authority import stays_within_its_authority
 from proofs.radio_channel import broken_rules
 from proofs.radio_formulas import TWO
-from proofs.radio_line import Misordered, contract_differences, differences, neighbours
-from safety import Bit, Model, Real, Seen, all_of, bit, point, power_up
+from proofs.radio_line import Misordered, Neighbours, contract_differences, differences, neighbours
+from safety import Bit, Model, Real, Seen, all_of, assume, bit, point, power_up
 from safety.system import substitute
 from safety.tracing import trace
 
@@ -65,6 +66,24 @@ class _Longer:
 def test_a_pair_that_follows_another_law_is_found() -> None:
     found = list(differences(Hasty, neighbours(3)[1]))
     assert any("follower.reports.one.says follows another law" in text for text in found)
+
+
+class Assuming(ThreeTrains):
+    """A planted bug: a line that leaves out the runs in which its first train moves."""
+
+    def step(
+        self, beyond: Real, order: SetBack, braked: Bit, air: Air, wish: Wish, first: Motion, second: Motion,
+        third: More,
+    ) -> ThreeTrains:  # fmt: skip
+        """One cycle."""
+        assume("the first train stands", first.way == 0)
+        return super().step(beyond, order, braked, air, wish, first, second, third)
+
+
+@pytest.mark.parametrize("pair", neighbours(3))
+def test_a_line_that_assumes_more_than_its_pairs_is_found(pair: Neighbours) -> None:
+    said = "'the first train stands' is assumed of the line, not of two trains"
+    assert said in list(differences(Assuming, pair))
 
 
 def test_a_pair_read_at_the_wrong_place_is_found() -> None:
