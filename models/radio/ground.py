@@ -36,6 +36,16 @@ class Orders(NamedTuple):
     back: Message
 
 
+class Grant(NamedTuple):
+    """The authority in force, and the request to shorten it."""
+
+    in_force: Real
+    extends: Bit  # nothing is asked for
+    asked: Real
+    still_open: Bit  # an earlier request
+    place: Real  # what is sent
+
+
 class Cell(Model, tick_s=CYCLE):
     """The leader's rear as known, the authority in force, the request to shorten it and the order to set back, if open.
 
@@ -60,20 +70,14 @@ class Cell(Model, tick_s=CYCLE):
         known, stamp = heard(self, report, beyond)
         room = select(point("lost_train", bit(False)), beyond, known) - self.allowance - self.margin
         want = select(wish.barrier < room, wish.barrier, room)
-        taken = point("acknowledged", self.asking & echo.comes & (echo.stamp >= self.asked_stamp))
-        before, open_still = select(taken, self.asked, self.in_force), self.asking & ~taken
-        extends, asked = want >= before, select(open_still, self.asked, want)
-        in_force = select(extends, want, before)
-        keeps = in_force <= wish.to - self.allowance - self.margin
-        sets_back = point("sets_back", wish.set_back & ~self.backing & (wish.to <= known) & keeps)
-        done = self.backing & point("carried_out", receipt.comes & (receipt.stamp >= self.known_stamp))
+        grant = granted(self, want, echo)
+        sets_back, done = ordered(self, known, grant.in_force, receipt, wish)
         cell = Cell(
             known=select(sets_back, wish.to, known), known_stamp=select(sets_back | done, now, stamp),
-            in_force=in_force, asking=~extends, asked=asked, asked_stamp=select(open_still, self.asked_stamp, now),
-            backing=sets_back | (self.backing & ~done),
+            in_force=grant.in_force, asking=~grant.extends, asked=grant.asked,
+            asked_stamp=select(grant.still_open, self.asked_stamp, now), backing=sets_back | (self.backing & ~done),
         )  # fmt: skip
-        authority = Message(now, select(extends, want, asked))
-        return cell, Orders(authority, self.backing, Message(self.known_stamp, self.known))
+        return cell, Orders(Message(now, grant.place), self.backing, Message(self.known_stamp, self.known))
 
 
 def heard(cell: Cell, report: Arrival, beyond: Real) -> tuple[Real, Real]:
@@ -81,3 +85,19 @@ def heard(cell: Cell, report: Arrival, beyond: Real) -> tuple[Real, Real]:
     place = select(point("wrong_order", bit(False)), beyond, report.place)
     fresh = report.comes & ~cell.backing & point("fresh", report.stamp > cell.known_stamp)
     return select(fresh & (place > cell.known), place, cell.known), select(fresh, report.stamp, cell.known_stamp)
+
+
+def granted(cell: Cell, want: Real, echo: Arrival) -> Grant:
+    """R1: longer at once, shorter once the echo shows that the train has taken it."""
+    taken = point("acknowledged", cell.asking & echo.comes & (echo.stamp >= cell.asked_stamp))
+    before, still_open = select(taken, cell.asked, cell.in_force), cell.asking & ~taken
+    extends, asked = want >= before, select(still_open, cell.asked, want)
+    return Grant(select(extends, want, before), extends, asked, still_open, select(extends, want, asked))
+
+
+def ordered(cell: Cell, known: Real, in_force: Real, receipt: Arrival, wish: Wish) -> tuple[Bit, Bit]:
+    """Whether the leader is ordered to set back, and whether an open order is carried out."""
+    keeps = in_force <= wish.to - cell.allowance - cell.margin
+    sets_back = point("sets_back", wish.set_back & ~cell.backing & (wish.to <= known) & keeps)
+    done = cell.backing & point("carried_out", receipt.comes & (receipt.stamp >= cell.known_stamp))
+    return sets_back, done
