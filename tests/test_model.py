@@ -11,7 +11,7 @@ from safety.model import ANY, Model, assume, parameter, parts, point, power_up, 
 from safety.prove.claims import Seen
 from safety.scope import current
 from safety.system import ModelError, repeat
-from safety.terms import U2, U3, U4, U8, Bit, select
+from safety.terms import U2, U3, U4, U8, Bit, UInt, select
 from safety.terms.graph import describe
 from safety.trace import run
 from safety.tracing import direct_step, resolve, trace
@@ -232,3 +232,23 @@ class Inherited(Base, event="tick"):
 def test_a_model_may_build_on_another() -> None:
     assert run(Inherited, {"go": True}, 3)["n"] == run(Inverted, {"go": False}, 3)["n"] == [0, 1, 2]
     assert trace(Inherited).name == "Inherited" and list(trace(Inverted).points) == ["high"]
+
+
+def test_a_part_with_other_registers_is_still_itself() -> None:
+    class Pair(Model, tick_s=1):
+        a: U4 = power_up(1)
+        b: U4 = power_up(2)
+
+        def step(self, up: Bit) -> tuple[Pair, UInt]:
+            moved = self.replaced(a=select(up, self.b, self.a))
+            return moved.replaced(b=self.a), moved.a + moved.b
+
+    found = run(Pair, {"up": True}, 3)
+    assert found["a"] == [1, 2, 1] and found["b"] == [2, 1, 2] and found["out"] == [4, 2, 4]
+
+    class Misspelt(Pair, tick_s=1):
+        def step(self, up: Bit) -> tuple[Misspelt, UInt]:
+            return self.replaced(c=up), self.a
+
+    with pytest.raises(ModelError, match="Misspelt has no register 'c'"):
+        trace(Misspelt)
