@@ -1,8 +1,9 @@
 """Discrete-time supervisor on the model: a supervised train never passes the protected point.
 
-By induction over the train's speed and distance as reals, for every motion within each cycle and every width of the
-intervals, at the parameters of the model.  The lemma is the conservative ceiling with the time that is left until the
-brake acts; `kinematics_cycle` has one cycle of it as laws, for all parameters.
+By induction over the train's speed and distance as reals, for every acceleration in each cycle (constant within it) and
+every width of the intervals; with either brake alone for every b and t in range, else at the parameters of the model.
+The lemma is the conservative ceiling with the time that is left until the brake acts; `kinematics_cycle` has one cycle
+of it as laws, for all parameters.
 Source: speed patterns, discrete-time supervisor and properties SP-P3, AV-1 [D]; cycle, budget, hysteresis [A].
 
 Main results: service and emergency brake are each enough; each slip of the equipment, and each broken promise of the
@@ -64,13 +65,13 @@ PROOF: dict[str, Any] = ABOUT | {"expect": PROVED, "start": in_order, "lemmas": 
 REFUTATION: dict[str, Any] = ABOUT | {"expect": REFUTED, "start": in_order, "steps": 4}
 
 
-@claim(ServiceRun, **PROOF)
+@claim(ServiceRun, **PROOF | {"symbolic": ["guard.b_s", "guard.t_s"]})
 def service_brake_keeps_the_point(s: Seen) -> Bit:
     """A train under its service brake never passes the protected point."""
     return s["train.x"] >= 0
 
 
-@claim(EmergencyRun, **PROOF)
+@claim(EmergencyRun, **PROOF | {"symbolic": ["guard.b_e", "guard.t_e"]})
 def emergency_brake_keeps_the_point(s: Seen) -> Bit:
     """A train under its emergency brake alone never passes the protected point."""
     return s["train.x"] >= 0
