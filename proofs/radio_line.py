@@ -93,7 +93,7 @@ def _without_point(old: Term, args: tuple[Term, ...]) -> Term:
 
 def differences(line: type[Model], pair: Neighbours) -> Iterator[str]:
     """In what the pair is not the `TwoTrains` of the argument; nothing where it is."""
-    return _otherwise(TwoTrains, line, pair.place, unread=("beyond",))
+    return otherwise(TwoTrains, line, pair.place, unread=("beyond",))
 
 
 def contract_differences(line: type[Model], pair: Neighbours) -> Iterator[str]:
@@ -105,10 +105,10 @@ def contract_differences(line: type[Model], pair: Neighbours) -> Iterator[str]:
         moves = dict(pair.inputs).get("behind", "behind")
         return (read | {"motion": moves}).get(head, f"{pair.follower}.driven.{head}") + dot + rest
 
-    return _otherwise(Supervised, line, place)
+    return otherwise(Supervised, line, place)
 
 
-def _otherwise(
+def otherwise(
     model: type[Model], line: type[Model], place: Callable[[str], str], unread: tuple[str, ...] = ()
 ) -> Iterator[str]:
     """In what a line, read at these places, is not the model; `unread` are inputs that only faults read."""
