@@ -18,7 +18,7 @@ from models.kinematics import ACCELERATION, B_SERVICE, CYCLE, T_SERVICE, Quantit
 from models.radio import Supervised
 from models.radio.watched import Watched, stop_doubled
 from proofs.radio_formulas import braking_fits, reacts_in_time, within_authority
-from proofs.radio_line import otherwise, open_system, unshared
+from proofs.radio_line import open_system, otherwise, unshared
 from safety import (
     PROVED,
     REFUTED,
