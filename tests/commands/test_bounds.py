@@ -87,11 +87,11 @@ def test_replay_computes_the_point_again(run: Run, slide: Path) -> None:
     assert run("replay", "slide.less").code == 2
     run("prove", "-q", "-k", "slide.less")
     called = run("replay", "slide.less")
-    assert called.code == 0 and "reproduced: slide.less is exceeded at this point" in called.err
+    assert called.code == 0 and "reproduced: slide.less is broken at this point" in called.err
     assert called.out.split() == ["name", "value", "t", "1/3", "v", "25"]
     put(slide, "proofs/slide.py", BOUNDS.replace("LIMIT", "9").replace("strict=True", "strict=False"))
     called = run("replay", "slide.less")
-    assert called.code == 1 and "NOT reproduced: slide.less is not exceeded at this point" in called.err
+    assert called.code == 1 and "NOT reproduced: slide.less is not broken at this point" in called.err
 
 
 def test_verify_reports_them_and_a_second_run_takes_them_from_the_snapshot(run: Run, slide: Path) -> None:
