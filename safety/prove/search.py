@@ -16,6 +16,7 @@ from typing import Any, cast
 from safety.faults import now_name, present_name
 from safety.prove.claims import Scenario
 from safety.prove.problem import Problem, observed
+from safety.prove.simplest import simple_one
 from safety.prove.solve import SAT, UNKNOWN, Disagreement, Solver, Unrolling
 from safety.system import ANY, ModelError, nearest, substitute
 from safety.terms import Bit, TermError
@@ -58,7 +59,7 @@ def bounded(
     """Look for the shortest run whose last step satisfies `target`, up to `steps` steps; then the smallest of those.
 
     `searched` counts the steps shown free of the target; `done` is told that number as it grows.  The run does not
-    depend on the solver (reals that are no plain numbers apart).  No further step is searched once the monotonic clock
+    depend on the solver (reals that no fraction is apart).  No further step is searched once the monotonic clock
     shows `until`.
     """
     unrolling = Unrolling(problem.system, "z3", integers)
@@ -138,20 +139,34 @@ def _least(unrolling: Unrolling, asked: Solver, model: Any, expression: Any, sor
 
 
 def _simple_real(unrolling: Unrolling, asked: Solver, model: Any, expression: Any, sort: Sort) -> tuple[Any, Any]:
-    """The first of the plain numbers that will do, so that runs do not depend on the solver; else its own value, or a
-    fraction near it.  `TermError` when no fraction will do.
+    """The first of the plain numbers that will do, else a simple fraction: runs do not depend on the solver's models.
+
+    Where there is none, it is a fraction near the model's value; `TermError` when no fraction will do.
     """
     k = unrolling.k
-    exact = model.eval(expression, model_completion=True)
-    near = [Fraction(exact.approx(n).as_fraction()) for n in (3, 9, 27)] if k.is_algebraic_value(exact) else []
-    for value in (*PLAIN, *near):
-        found = _model_with(asked, expression == k.RealVal(str(value)))
-        if found is not None:
-            asked.add(expression == k.RealVal(str(value)))
-            return value, found
-    value = cast(Fraction, unrolling.encoder.value(model, expression, sort))
-    asked.add(expression == k.RealVal(str(value)))
-    return value, model
+
+    def exactly(x: Fraction) -> Any:
+        return expression == k.RealVal(str(x))
+
+    def meets(low: Fraction, high: Fraction) -> bool:
+        within = (
+            exactly(low)
+            if low == high
+            else k.And(k.RealVal(str(low)) <= expression, expression <= k.RealVal(str(high)))
+        )
+        return _model_with(asked, within) is not None
+
+    value = next((x for x in PLAIN if meets(x, x)), None)
+    value = simple_one(meets) if value is None else value
+    if value is None:
+        found = model.eval(expression, model_completion=True)
+        near = [Fraction(found.approx(n).as_fraction()) for n in (3, 9, 27)] if k.is_algebraic_value(found) else []
+        value = next((x for x in near if meets(x, x)), None)
+    if value is None:
+        value = cast(Fraction, unrolling.encoder.value(model, expression, sort))
+    now = _model_with(asked, exactly(value))
+    asked.add(exactly(value))
+    return value, model if now is None else now
 
 
 def _model_with(asked: Solver, condition: Any) -> Any:

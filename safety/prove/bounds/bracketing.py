@@ -12,6 +12,7 @@ from safety.prove.bounds.routes import Limits, Reply
 from safety.prove.bounds.statement import WIDTH, Bound
 from safety.prove.bounds.verdict import ask, entry, exact
 from safety.prove.claims import PROVED, UNDECIDED, VACUOUS
+from safety.prove.simplest import simplest
 from safety.prove.solve import UNSAT, Disagreement
 from safety.system import ModelError
 from safety.terms import Bit
@@ -132,7 +133,7 @@ class _Bracketing:
             elif self.low < high and _round(self.low) and self.low not in tried:
                 guess = self.low  # a round value that is reached may well be the bound itself
             elif self._near_enough(high):
-                guess = _simplest(self.low, high)  # so may the simplest value in the gap
+                guess = simplest(self.low, high)  # so may the simplest value in the gap
                 if guess in tried or not _round(guess):
                     return self._loosened(high), ""
             else:
@@ -164,7 +165,7 @@ class _Bracketing:
         if high in (self.low, 0):
             return high
         room = self.width * max(abs(self.low), abs(high)) * Fraction(99, 100)
-        return max(high, _simplest(self.low + room * Fraction(99, 100), self.low + room)) if room else high
+        return max(high, simplest(self.low + room * Fraction(99, 100), self.low + room)) if room else high
 
 
 def _round(x: Fraction) -> bool:
@@ -178,21 +179,9 @@ def _between(low: Fraction, high: Fraction, run: int) -> Fraction:
     """
     if low > 0 and high > 16 * low:
         middle = low * (1 << (int(high / low).bit_length() // 2))
-        return _simplest(middle * Fraction(7, 8), middle * Fraction(9, 8))
+        return simplest(middle * Fraction(7, 8), middle * Fraction(9, 8))
     share = Fraction(1, 2 ** min(abs(run) + 1, 8))
     reach = (high - low) * share
     if run < 0:
-        return _simplest(low + reach * Fraction(3, 4), low + reach * Fraction(5, 4))
-    return _simplest(high - reach * Fraction(5, 4), high - reach * Fraction(3, 4))
-
-
-def _simplest(low: Fraction, high: Fraction) -> Fraction:
-    """The fraction of least denominator from low to high (continued fractions)."""
-    if low <= 0 <= high:
-        return Fraction(0)
-    if high < 0:
-        return -_simplest(-high, -low)
-    whole = low.numerator // low.denominator
-    if whole == low or whole + 1 <= high:
-        return Fraction(whole if whole == low else whole + 1)
-    return whole + 1 / _simplest(1 / (high - whole), 1 / (low - whole))
+        return simplest(low + reach * Fraction(3, 4), low + reach * Fraction(5, 4))
+    return simplest(high - reach * Fraction(5, 4), high - reach * Fraction(3, 4))
