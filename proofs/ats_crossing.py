@@ -112,7 +112,7 @@ PASSES = Scenario(
        twin_of=warned_of_for_long_enough, scenario=PASSES)  # fmt: skip
 def warned_of_for_long_enough_without_a_pattern(s: Seen) -> Bit:
     """So it has been where a train says "stopping" without a pattern, and passes."""
-    return ~s.too_short
+    return warned_of_for_long_enough(s)
 
 
 def start_too_near(s: Seen) -> Bit:
@@ -125,7 +125,7 @@ def start_too_near(s: Seen) -> Bit:
        twin_of=warned_of_for_long_enough)  # fmt: skip
 def warned_of_for_long_enough_from_nearer(s: Seen) -> Bit:
     """So it has been with the start point a metre nearer."""
-    return ~s.too_short
+    return warned_of_for_long_enough(s)
 
 
 def notice_too_short(s: Seen) -> Bit:
@@ -138,7 +138,7 @@ def notice_too_short(s: Seen) -> Bit:
        source=SOURCE, twin_of=warned_of_for_long_enough)  # fmt: skip
 def warned_of_for_long_enough_with_less_notice(s: Seen) -> Bit:
     """So it has been with the departure announced half a second later."""
-    return ~s.too_short
+    return warned_of_for_long_enough(s)
 
 
 # --- as bounds: how short the warning can be -------------------------------------------------------------------------

@@ -75,10 +75,10 @@ def it_ends_at_the_mark(s: Seen) -> Bit:
        twin_of=it_ends_at_the_mark)  # fmt: skip
 def it_ends_at_the_mark_with_any_standstill(s: Seen) -> Bit:
     """So it does where a standstill anywhere is taken for one."""
-    return implies(s.ended, by_7_m(s))
+    return it_ends_at_the_mark(s)
 
 
 @claim(StopBench, expect=REFUTED, symbolic=["mark_at"], requirement="AO-1", source=SOURCE, twin_of=it_ends_at_the_mark)
 def it_ends_at_the_mark_wherever_it_is(s: Seen) -> Bit:
     """So it does where the estimate is further off."""
-    return implies(s.ended, by_7_m(s))
+    return it_ends_at_the_mark(s)

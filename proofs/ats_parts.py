@@ -58,20 +58,15 @@ def named() -> dict[str, Mode]:
     return {mode.name: mode for mode in failures.table()}
 
 
-def dangerous(mode: Mode) -> bool:
-    """Wrong-side by itself: as the table has it, but for the rows with a reason why not."""
-    return mode.direction == "D" and not mode.why
-
-
 def singles(mapped: bool = False) -> list[str]:
     """Rows of ATS-SP that are wrong-side by themselves; with the map, without those that it finds."""
-    own = [mode.name for mode in failures.table() if dangerous(mode) and mode.bench != RADIO]
+    own = [mode.name for mode in failures.table() if mode.wrong_side and mode.bench != RADIO]
     return [name for name in own if not (mapped and name in MAPPED)]
 
 
 def of_radio() -> list[str]:
     """Rows of radio control that are wrong-side by themselves."""
-    return [mode.name for mode in failures.table() if dangerous(mode) and mode.bench == RADIO]
+    return [mode.name for mode in failures.table() if mode.wrong_side and mode.bench == RADIO]
 
 
 def per_hour(name: str) -> Fraction:

@@ -15,8 +15,10 @@ from fractions import Fraction
 from models.ats.ats_s import EMERGENCY, Approach
 from models.ats.release import Following, OnlyByBalise, OnlyByPhase
 from models.kinematics import B_EMERGENCY, T_EMERGENCY, mps
+from proofs.ats_phase import in_section
 from proofs.ats_s import in_braking, in_free_run, no_faster
-from safety import PROVED, REFUTED, Bit, Scenario, Seen, all_of, claim, implies, previous
+from proofs.premises import Premise, together
+from safety import PROVED, REFUTED, Bit, Scenario, Seen, claim, implies, previous
 from safety.prove.bounds import Bound, between, claim_bound, claim_bracket, reals
 from safety.prove.weakest import BELOW, weakest_real
 
@@ -143,12 +145,6 @@ def pattern_from_the_next_balise_on_after_a_reset(s: Seen) -> Bit:
     return pattern_from_the_next_balise_on(s)
 
 
-def in_the_section(s: Seen) -> Bit:
-    """The train is surely in the approach section, away from its joints."""
-    r = s.receiver
-    return (s.where.low >= r.begins + r.joint) & (s.where.high <= r.ends - r.joint)
-
-
 def phase_tells(s: Seen) -> Bit:
     """The phase is N or R, as the signal is."""
     return ~(s.stop ^ s.phase.r) & (s.stop ^ s.phase.n)
@@ -156,7 +152,7 @@ def phase_tells(s: Seen) -> Bit:
 
 def phase_premises(s: Seen) -> Bit:
     """In the section, where the phase shows the signal; the driver does not reset."""
-    return in_the_section(s) & phase_tells(s) & undisturbed(s)
+    return in_section(s) & phase_tells(s) & undisturbed(s)
 
 
 def followed(s: Seen) -> Bit:
@@ -172,27 +168,23 @@ def pattern_while_at_stop_by_phase(s: Seen) -> Bit:
     return implies(s.approaching & s.stop, s.sp.home.target.pattern)
 
 
-def drops(name: str, model: type[Following], *kept: Callable[[Seen], Bit]) -> None:
+def drops(name: str, model: type[Following], *kept: Premise) -> None:
     """The twin with these premises only."""
-
-    def given(s: Seen) -> Bit:
-        return all_of(*(premise(s) for premise in kept))
 
     def fewer(s: Seen) -> Bit:
         return pattern_while_at_stop_by_phase(s)
 
-    given.__doc__ = "; ".join((premise.__doc__ or "").rstrip(".") for premise in kept)
     fewer.__name__ = f"pattern_while_at_stop_by_phase_{name.replace(' ', '_')}"
     fewer.__doc__ = f"So it is {name}."
     fewer.__module__ = __name__
-    claim(model, expect=REFUTED, given=given, symbolic=SECTION, requirement="AV-4", source=SOURCE,
+    claim(model, expect=REFUTED, given=together(*kept), symbolic=SECTION, requirement="AV-4", source=SOURCE,
           twin_of=pattern_while_at_stop_by_phase)(fewer)  # fmt: skip
 
 
-drops("without the extension", OnlyByBalise, in_the_section, phase_tells, undisturbed)
+drops("without the extension", OnlyByBalise, in_section, phase_tells, undisturbed)
 drops("outside the section", Following, phase_tells, undisturbed)
-drops("without a phase", Following, in_the_section, undisturbed)
-drops("after a reset", Following, in_the_section, phase_tells)
+drops("without a phase", Following, in_section, undisturbed)
+drops("after a reset", Following, in_section, phase_tells)
 
 
 def stays_at_stop(s: Seen) -> Bit:
@@ -244,14 +236,14 @@ def an_emergency_brake_100_m_out_suffices(s: Seen) -> Bit:
        requirement="AV-4", source="[A] t_e, b_e", twin_of=an_emergency_brake_100_m_out_suffices)  # fmt: skip
 def an_emergency_brake_100_m_out_suffices_at_45_23(s: Seen) -> Bit:
     """So it does up to 45.23 km/h."""
-    return s.to_go >= 0
+    return an_emergency_brake_100_m_out_suffices(s)
 
 
 @claim(Approach, expect=REFUTED, start=restored("45.22"), anywhere=True, symbolic=["t_e", "b_e"], requirement="AV-4",
        source="[A] t_e, b_e", twin_of=an_emergency_brake_100_m_out_suffices)  # fmt: skip
 def an_emergency_brake_100_m_out_suffices_with_any_brake(s: Seen) -> Bit:
     """So it does with any free run and deceleration."""
-    return s.to_go >= 0
+    return an_emergency_brake_100_m_out_suffices(s)
 
 
 def restored_nearer(s: Seen) -> Bit:
@@ -265,4 +257,4 @@ def restored_nearer(s: Seen) -> Bit:
        requirement="AV-4", source="[A] t_e, b_e", twin_of=an_emergency_brake_100_m_out_suffices)  # fmt: skip
 def an_emergency_brake_99_m_out_suffices(s: Seen) -> Bit:
     """So it does from 99 m out."""
-    return s.to_go >= 0
+    return an_emergency_brake_100_m_out_suffices(s)

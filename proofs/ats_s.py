@@ -39,7 +39,7 @@ def an_unanswered_stop_brakes(s: Seen) -> Bit:
 @claim(LateBench, expect=REFUTED, requirement="AS-1", source=SOURCE, twin_of=an_unanswered_stop_brakes)
 def an_unanswered_stop_brakes_although_answers_come_first(s: Seen) -> Bit:
     """So it does where the handle is looked at before the time is: an answer at 5.000 s counts there."""
-    return implies(s.overdue, s.ats.emergency)
+    return an_unanswered_stop_brakes(s)
 
 
 @claim(Bench, expect=PROVED, lemmas=[unanswered_is_alarm], requirement="AS-1", source=SOURCE)
@@ -178,7 +178,7 @@ def a_passive_driver_is_stopped(s: Seen) -> Bit:
        requirement="AS-2", source=BRAKE, twin_of=a_passive_driver_is_stopped)  # fmt: skip
 def warned_a_metre_late_a_passive_driver_is_stopped(s: Seen) -> Bit:
     """So is a train warned one metre nearer to the signal."""
-    return s.to_go >= 0
+    return a_passive_driver_is_stopped(s)
 
 
 def silent(s: Seen) -> Bit:
@@ -190,7 +190,7 @@ def silent(s: Seen) -> Bit:
        requirement="AS-2", source=BRAKE, twin_of=a_passive_driver_is_stopped)  # fmt: skip
 def a_passive_driver_is_stopped_whenever_time_is_looked_at(s: Seen) -> Bit:
     """So is a train whose equipment may look at the time too late."""
-    return s.to_go >= 0
+    return a_passive_driver_is_stopped(s)
 
 
 # --- AS-3: what nobody supervises ------------------------------------------------------------------------------------
@@ -220,11 +220,11 @@ LET_GO = Scenario(
        twin_of=a_passive_driver_is_stopped)  # fmt: skip
 def no_train_passes_a_stop_signal(s: Seen) -> Bit:
     """A train warned at D_req never passes the signal, whatever the driver does."""
-    return s.to_go >= 0
+    return a_passive_driver_is_stopped(s)
 
 
 @claim(Approach, expect=REFUTED, start=warned_in_time, given=on_time, anywhere=True, symbolic=["t_e", "b_e"],
        requirement="AS-3", source=SOURCE, defeat=True, twin_of=a_passive_driver_is_stopped)  # fmt: skip
 def no_train_passes_a_stop_signal_as_searched(s: Seen) -> Bit:
     """The same, the run left to the search."""
-    return s.to_go >= 0
+    return a_passive_driver_is_stopped(s)

@@ -10,11 +10,10 @@ plain pattern with traction going on overruns from 20 m at 4 m/s.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 from models.ats.ride import AcceleratingRide, GuardRide, NearEndRide, NoFreeRunRide
 from models.kinematics import ACCELERATION
-from safety import PROVED, REFUTED, Bit, Real, Seen, all_of, claim, implies
+from proofs.premises import together
+from safety import PROVED, REFUTED, Bit, Real, Seen, claim, implies
 
 SOURCE = "[P] one-stage pattern; [A] m, t, b"
 OPEN = ("train.cycle", "train.acts", "b_s", "t_s", "margin", "place")
@@ -73,39 +72,29 @@ def signal_is_never_passed(s: Seen) -> Bit:
 # --- each premise, left out ------------------------------------------------------------------------------------------
 
 
-def overruns(*kept: Callable[[Seen], Bit]) -> Callable[[Seen], Bit]:
-    """The premises that are kept."""
-
-    def given(s: Seen) -> Bit:
-        return all_of(*(premise(s) for premise in kept))
-
-    given.__doc__ = "; ".join((premise.__doc__ or "").rstrip(".") for premise in kept)
-    return given
-
-
 @claim(GuardRide, expect=REFUTED, start=moving, requirement="AV-1", source=SOURCE, twin_of=signal_is_never_passed,
-       symbolic=OPEN, given=overruns(no_faster_than_read, decelerates, made_in_time))  # fmt: skip
+       symbolic=OPEN, given=together(no_faster_than_read, decelerates, made_in_time))  # fmt: skip
 def beyond_the_interval(s: Seen) -> Bit:
     """So it is where the train may be beyond s_hi."""
     return signal_is_never_passed(s)
 
 
 @claim(GuardRide, expect=REFUTED, start=moving, requirement="AV-1", source=SOURCE, twin_of=signal_is_never_passed,
-       symbolic=OPEN, given=overruns(within_interval, decelerates, made_in_time))  # fmt: skip
+       symbolic=OPEN, given=together(within_interval, decelerates, made_in_time))  # fmt: skip
 def faster_than_read(s: Seen) -> Bit:
     """So it is where the train may be faster than v_hi."""
     return signal_is_never_passed(s)
 
 
 @claim(GuardRide, expect=REFUTED, start=moving, requirement="AV-1", source=SOURCE, twin_of=signal_is_never_passed,
-       symbolic=OPEN, given=overruns(within_interval, no_faster_than_read, made_in_time))  # fmt: skip
+       symbolic=OPEN, given=together(within_interval, no_faster_than_read, made_in_time))  # fmt: skip
 def braking_too_little(s: Seen) -> Bit:
     """So it is where the brake gives less than b_s."""
     return signal_is_never_passed(s)
 
 
 @claim(GuardRide, expect=REFUTED, start=moving, requirement="AV-1", source=SOURCE, twin_of=signal_is_never_passed,
-       symbolic=OPEN, given=overruns(within_interval, no_faster_than_read, decelerates))  # fmt: skip
+       symbolic=OPEN, given=together(within_interval, no_faster_than_read, decelerates))  # fmt: skip
 def made_too_late(s: Seen) -> Bit:
     """So it is where the target is made too late."""
     return signal_is_never_passed(s)
@@ -151,4 +140,4 @@ def signal_is_never_passed_with_traction(s: Seen) -> Bit:
        requirement="AV-1", source=SOURCE, twin_of=signal_is_never_passed_with_traction)  # fmt: skip
 def signal_is_never_passed_with_more_traction(s: Seen) -> Bit:
     """So it does where traction is more than the pattern allows for."""
-    return signal_is_never_passed(s)
+    return signal_is_never_passed_with_traction(s)

@@ -285,7 +285,7 @@ def the_target_is_the_switch(s: Seen) -> Bit:
        twin_of=the_target_is_the_switch)  # fmt: skip
 def the_target_is_the_switch_in_the_variant(s: Seen) -> Bit:
     """So it does where the limit is enforced at the balise."""
-    return implies(s.events.branch_read, s.turnout.target.target == s.switch_at)
+    return the_target_is_the_switch(s)
 
 
 # --- the algebra of AV-1 ---------------------------------------------------------------------------------------------

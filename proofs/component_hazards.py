@@ -88,11 +88,6 @@ NOT_ON_THE_RIDES = dict.fromkeys(position_hazards.OVER, BEHIND)
 """Singles by proof that are not wrong-side for the train on the rides of injection, and why."""
 
 
-def injected_wrong_side(mode: Mode) -> bool:
-    """Whether injection finds the row wrong-side: as the table has it, but where a reason is given."""
-    return mode.direction == "D" and not mode.why
-
-
 def by_proof(name: str) -> str:
     """What the cut sets say of a row."""
     if any(name in hazard.singles for hazard in HAZARDS):
@@ -125,5 +120,5 @@ def explained(mode: Mode) -> str:
 def rows() -> Iterator[Row]:
     """The 44 rows."""
     for mode in components():
-        found = "D" if injected_wrong_side(mode) else "not D"
+        found = "D" if mode.wrong_side else "not D"
         yield mode.name, mode.direction, found, by_proof(mode.name), asked(mode.name), explained(mode)

@@ -147,7 +147,7 @@ def runs_only_if_both_permit(s: Seen) -> Bit:
 @claim(OnBoard, faults=at_most(2, [B, EQUAL]), expect=REFUTED, requirement=AV7, twin_of=runs_only_if_both_permit)
 def runs_only_if_both_permit_with_a_blind_comparator(s: Seen) -> Bit:
     """The same with a comparator that says equal: B, which drives the output, is believed alone."""
-    return implies(~s.brake, s.dual.a.permit & s.dual.b.permit)
+    return runs_only_if_both_permit(s)
 
 
 @claim(OnBoard, faults=ONE_BROKEN, lemmas=[*LOCKED, a_mismatch_stops], expect=PROVED, requirement=AV7, source=PRINTED)
@@ -171,7 +171,7 @@ def one_broken_processor_is_safe(s: Seen) -> Bit:
 @claim(OnBoard, faults=at_most(2, [A, B]), expect=REFUTED, requirement=AV7, twin_of=one_broken_processor_is_safe)
 def two_broken_processors_are_safe(s: Seen) -> Bit:
     """Both processors broken, in any way: the same."""
-    return implies(~s.brake, s.safe)
+    return one_broken_processor_is_safe(s)
 
 
 @claim(OnBoard, faults=at_most(1, FLIPS), lemmas=[*LOCKED, a_flip_stops], arithmetic=BITS, expect=PROVED,
@@ -185,7 +185,7 @@ def any_flipped_bit_brakes(s: Seen) -> Bit:
 @claim(BusCompared, faults=at_most(1, FLIPS), expect=REFUTED, requirement=AV7, twin_of=any_flipped_bit_brakes)
 def any_flipped_bit_brakes_by_the_buses_alone(s: Seen) -> Bit:
     """The same where only the buses are compared: a wrong register shows when it is used."""
-    return implies(struck(s, *NAMES), s.brake)
+    return any_flipped_bit_brakes(s)
 
 
 @claim(BusCompared, faults=ONE_BROKEN, lemmas=BUS_SAFE, expect=PROVED, requirement=AV7,
@@ -198,7 +198,7 @@ def buses_alone_are_safe(s: Seen) -> Bit:
 @claim(BusCompared, faults=at_most(2, [B, EQUAL]), expect=REFUTED, requirement=AV7, twin_of=buses_alone_are_safe)
 def blind_buses_are_safe(s: Seen) -> Bit:
     """The same with a comparator that says equal: B is believed alone."""
-    return implies(~s.brake, s.safe)
+    return buses_alone_are_safe(s)
 
 
 # --- what the comparison does not see ---------------------------------------------------------------------------------
@@ -233,7 +233,7 @@ SAME_FAULT = same_in_both("left", 6)
        scenario=near(SAME_FAULT.name))  # fmt: skip
 def one_fault_in_both_is_safe(s: Seen) -> Bit:
     """The same bit of the distance stuck in both processors.  False: both believe the signal farther away."""
-    return implies(~s.brake, s.safe)
+    return one_broken_processor_is_safe(s)
 
 
 @claim(OnBoard, faults=at_most(1, [SAME_FAULT]), lemmas=[not_stopped_is_equal], expect=PROVED, requirement=AV7,
@@ -250,7 +250,7 @@ FAULT_IN_ONE = Fault(stuck(1, bit=6), ["dual.a.left"], ANY_TIME, name="left wron
        twin_of=one_fault_in_both_never_stops)  # fmt: skip
 def one_fault_in_one_never_stops(s: Seen) -> Bit:
     """The bit stuck in A alone: the same."""
-    return ~s.dual.comparator.stopped
+    return one_fault_in_both_never_stops(s)
 
 
 WRONG_ENTRY = Fault(byzantine(), ["line.rom.entry"], ANY_TIME, name="wrong entry in the ROM")
@@ -282,7 +282,7 @@ def a_wrong_entry_of_one_source_is_safe(s: Seen) -> Bit:
        twin_of=a_wrong_entry_of_one_source_is_safe)  # fmt: skip
 def the_same_wrong_entry_in_both_sources_is_safe(s: Seen) -> Bit:
     """Wrong entries in both sources, as one wrong drawing behind both gives them: the same."""
-    return implies(~s.brake, s.safe)
+    return a_wrong_entry_of_one_source_is_safe(s)
 
 
 STORE_BITS = [
@@ -301,7 +301,7 @@ def two_wrong_bits_are_rejected(s: Seen) -> Bit:
 @claim(OnBoard, faults=at_most(3, STORE_BITS), expect=REFUTED, requirement=AV8, twin_of=two_wrong_bits_are_rejected)
 def three_wrong_bits_are_rejected(s: Seen) -> Bit:
     """Three wrong bits: the same."""
-    return implies(s["line.usable"], s["line.rom.word"] == s["line.rom.entry"])
+    return two_wrong_bits_are_rejected(s)
 
 
 # --- alternating and steady signal ------------------------------------------------------------------------------------
@@ -371,11 +371,11 @@ def an_output_at_1_brakes_at_once(s: Seen) -> Bit:
        twin_of=a_signal_that_stands_still_brakes)  # fmt: skip
 def no_clock_is_safe_with_a_steady_signal(s: Seen) -> Bit:
     """With a steady signal, the clock lost.  False: the last command stays, whatever becomes of the speed."""
-    return ~(wrong(s) & was_twice_wrong(s))
+    return a_signal_that_stands_still_brakes(s)
 
 
 @claim(StaticSignal, faults=at_most(2, [SIGNAL_HIGH, B]), expect=REFUTED, requirement=AV7,
        twin_of=a_signal_that_stands_still_brakes)  # fmt: skip
 def an_output_at_1_is_safe_with_a_steady_signal(s: Seen) -> Bit:
     """With a steady signal, the comparator's output at 1 and B broken.  False: B is believed alone."""
-    return ~(wrong(s) & was_twice_wrong(s))
+    return a_signal_that_stands_still_brakes(s)

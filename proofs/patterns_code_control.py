@@ -92,7 +92,7 @@ def silence_brings_the_emergency_brake(s: Seen) -> Bit:
        twin_of=silence_brings_the_emergency_brake, scenario=Scenario(8, RED_AT_1, SHORT))  # fmt: skip
 def silence_brings_the_emergency_brake_where_it_is_accepted(s: Seen) -> Bit:
     """The same of the variant that accepts a missing acknowledgement.  False: it never brakes."""
-    return implies(silent_driver(s), s.emergency)
+    return silence_brings_the_emergency_brake(s)
 
 
 def registers_follow(s: Seen) -> Bit:
@@ -128,7 +128,7 @@ CLOCK_STOPS = Fault(frozen(), ["clock"], ANY_TIME, name="clock stops")
        scenario=Scenario(12, RED_AT_1, SHORT, ["clock stops"], at=2))  # fmt: skip
 def silence_brings_the_emergency_brake_though_the_clock_stops(s: Seen) -> Bit:
     """The same with a clock that stops.  False: the time never ends; the clock needs a watchdog of its own."""
-    return implies(silent_driver(s), s.emergency)
+    return silence_brings_the_emergency_brake(s)
 
 
 @claim(CodeControl, expect=PROVED, symbolic=PATIENCE, requirement="SP-F1", source=SOURCE,
@@ -180,7 +180,7 @@ def stuck_button_acknowledges_nothing(s: Seen) -> Bit:
        requirement="SP-F1", twin_of=stuck_button_acknowledges_nothing, scenario=CLOSED_AND_RED)  # fmt: skip
 def held_button_acknowledges_nothing(s: Seen) -> Bit:
     """The same of the variant in which a held button counts.  False: red is acknowledged for ever."""
-    return implies(red_for_long(s), s.emergency)
+    return stuck_button_acknowledges_nothing(s)
 
 
 # --- limits ----------------------------------------------------------------------------------------------------------

@@ -162,7 +162,7 @@ def run_at(level: Fraction, gradient: int, signalled: int) -> Scenario:
        twin_of=brake_once_stops_near_the_curve, scenario=run_at(3 * KMH, -20, -16))  # fmt: skip
 def brake_once_stops_near_the_curve_at_3_kmh_s(s: Seen) -> Bit:
     """The same with 3.0 km/h/s or more.  False: at -20 permille on the curve of -16 the stop is 35.11 m too long."""
-    return stops_near_the_curve(s)
+    return brake_once_stops_near_the_curve(s)
 
 
 def any_bin(s: Seen) -> Bit:
@@ -174,7 +174,7 @@ def any_bin(s: Seen) -> Bit:
        twin_of=brake_once_stops_near_the_curve, scenario=run_at(ENOUGH, -20, 0))  # fmt: skip
 def brake_once_stops_near_the_curve_in_any_bin(s: Seen) -> Bit:
     """The same whichever bin is signalled.  False: this is the one curve without gradient signal."""
-    return stops_near_the_curve(s)
+    return brake_once_stops_near_the_curve(s)
 
 
 def with_gaps(s: Seen) -> Bit:
@@ -187,7 +187,7 @@ def with_gaps(s: Seen) -> Bit:
        scenario=Scenario(2, {"at_point_1": True, "v": FROM}, {"level": ENOUGH}))  # fmt: skip
 def brake_once_stops_near_the_curve_with_gaps(s: Seen) -> Bit:
     """The same where speed and curve are compared now and then.  False: the brake comes late."""
-    return stops_near_the_curve(s)
+    return brake_once_stops_near_the_curve(s)
 
 
 def failing(name: str, fault: Fault, scenario: Scenario, also: Callable[[Seen], Bit]) -> None:

@@ -183,7 +183,7 @@ def standing_train_never_starts(s: Seen) -> Bit:
 @claim(GroundProgram, expect=REFUTED, symbolic=SIZES, requirement="SP-H1", twin_of=standing_train_never_starts)
 def train_never_starts(s: Seen) -> Bit:
     """No train is ever given power.  False: the departure order does, and later a long interval."""
-    return all_of(~s.power)
+    return standing_train_never_starts(s)
 
 
 EVERY_SECOND = Fault(missing(every=2), ["receiver"], name="every second pulse missing")

@@ -347,7 +347,7 @@ def rolling() -> Scenario:
 def no_train_that_rolls_passes_the_signal_at_20_down(s: Seen) -> Bit:
     """With the spacing stretched likewise no train passes the signal that rolls without traction.  False: who passes 2
     at A, and rolls, is too fast at 3."""
-    return stopped_on_the_downgrade(s)
+    return no_train_passes_the_signal_at_20_down(s)
 
 
 # --- point X ---------------------------------------------------------------------------------------------------------

@@ -107,7 +107,7 @@ def channel_bounds_the_limit(s: Seen) -> Bit:
        requirement="SP-C1", source="[A] decodes a higher code", twin_of=channel_bounds_the_limit)  # fmt: skip
 def channel_bounds_the_limit_whatever_it_decodes(s: Seen) -> Bit:
     """The same with a receiver that decodes a clear section where there is none.  False."""
-    return implies(~s.clear, s.limit <= s.approach)
+    return channel_bounds_the_limit(s)
 
 
 @claim(PointAndContinuous, expect=REFUTED, defeat=True, faults=any_of_faults([*MISSING, *LINES, HIGHER]),

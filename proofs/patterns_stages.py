@@ -65,14 +65,14 @@ def two_stages_keep_the_point(s: Seen) -> Bit:
        scenario=coasting(Fraction(14), Fraction(175), 44), twin_of=two_stages_keep_the_point, **STAGES)  # fmt: skip
 def two_stages_keep_the_point_with_the_second_balise_nearer(s: Seen) -> Bit:
     """The same with the second balise laid 30 m nearer than the rule.  False: a latent fault, seen by nobody."""
-    return s["train.x"] >= 0
+    return two_stages_keep_the_point(s)
 
 
 @claim(TwoStageRun, start=at_the_first_balise, settings={"nearer_1": 30}, expect=REFUTED,
        scenario=coasting(Fraction(15), Fraction(195), 35), twin_of=two_stages_keep_the_point, **STAGES)  # fmt: skip
 def two_stages_keep_the_point_with_the_first_balise_nearer(s: Seen) -> Bit:
     """The same with the first balise laid 30 m nearer than the rule.  False: V_mid comes too late."""
-    return s["train.x"] >= 0
+    return two_stages_keep_the_point(s)
 
 
 @claim(TwoStageRun, start=at_the_first_balise, settings={"nearer_2": 180}, expect=REFUTED,
@@ -80,13 +80,13 @@ def two_stages_keep_the_point_with_the_first_balise_nearer(s: Seen) -> Bit:
        twin_of=two_stages_keep_the_point, **STAGES)  # fmt: skip
 def two_stages_keep_the_point_without_the_second_balise(s: Seen) -> Bit:
     """The same where the second balise is not read before the signal.  False: the train goes on at V_mid."""
-    return s["train.x"] >= 0
+    return two_stages_keep_the_point(s)
 
 
 @claim(TwoStageRun, expect=REFUTED, steps=3, twin_of=two_stages_keep_the_point, **STAGES)
 def two_stages_keep_the_point_wherever_it_starts(s: Seen) -> Bit:
     """The same wherever the train is at power-up.  False."""
-    return s["train.x"] >= 0
+    return two_stages_keep_the_point(s)
 
 
 # --- one stage: the last moment --------------------------------------------------------------------------------------
@@ -107,7 +107,7 @@ def the_pattern_intervenes_only_where_the_stop_no_longer_fits(s: Seen) -> Bit:
        twin_of=the_pattern_intervenes_only_where_the_stop_no_longer_fits)  # fmt: skip
 def the_pattern_intervenes_only_where_the_stop_no_longer_fits_by_intervals(s: Seen) -> Bit:
     """The same with intervals.  False: their width makes the brake come earlier, which is the safe side."""
-    return implies(s["guard.over"], need(s["train.v"], B_SERVICE, T_SERVICE) > 2 * B_SERVICE * s["train.x"])
+    return the_pattern_intervenes_only_where_the_stop_no_longer_fits(s)
 
 
 @claim(LaterRun, start=lambda s: s.fits & s.budgeted & (s["train.v"] >= 0), expect=REFUTED, **LATEST,
@@ -134,5 +134,4 @@ def whatever_is_lost_is_the_brake(s: Seen) -> Bit:
        source="[A]", steps=3, twin_of=whatever_is_lost_is_the_brake)  # fmt: skip
 def whatever_is_lost_is_the_brake_with_a_line_held(s: Seen) -> Bit:
     """The same with one of the four held by a fault.  False: its loss is not seen."""
-    lost = ~all_of(*(s.held[line] for line in LINES))
-    return implies(previous(lost, initially=True), s.out)
+    return whatever_is_lost_is_the_brake(s)

@@ -221,7 +221,7 @@ def through_the_first(v: Fraction, length: Fraction) -> Scenario:
        scenario=through_the_first(LADDER[0] + H_ON, PRINTED[0]))  # fmt: skip
 def no_printed_section_is_left_too_fast(s: Seen) -> Bit:
     """The same with sections dimensioned from V_(k-1).  False: who enters the first at 212 km/h leaves it too fast."""
-    return implies(inside(s), s.v <= allowed(s.was))
+    return no_section_is_left_too_fast(s)
 
 
 def slowed_from_any_speed(s: Seen) -> Bit:
@@ -234,14 +234,14 @@ def slowed_from_any_speed(s: Seen) -> Bit:
        scenario=through_the_first(Fraction(70), LENGTHS[0]), twin_of=no_section_is_left_too_fast)  # fmt: skip
 def no_section_is_left_too_fast_from_any_speed(s: Seen) -> Bit:
     """The same of a train that comes faster than 210 km/h and the dead band.  False."""
-    return implies(inside(s), s.v <= allowed(s.was))
+    return no_section_is_left_too_fast(s)
 
 
 @claim(Sections, expect=REFUTED, requirement="SP-C1", source="[A] brake as guaranteed", scenario=Scenario(2, {"v": 58}),
        twin_of=no_section_is_left_too_fast)  # fmt: skip
 def no_section_is_left_too_fast_whatever_the_brake_gives(s: Seen) -> Bit:
     """The same of a train whose brake does not give the force of the step.  False."""
-    return implies(inside(s), s.v <= allowed(s.was))
+    return no_section_is_left_too_fast(s)
 
 
 # --- scatter and reading ---------------------------------------------------------------------------------------------

@@ -142,4 +142,4 @@ def loss_of_current_is_limit_0(s: Seen) -> Bit:
 @claim(HoldsLast, expect=REFUTED, requirement="SP-H1", source="[A]", twin_of=loss_of_current_is_limit_0, steps=2)
 def loss_of_current_is_limit_0_where_it_is_held(s: Seen) -> Bit:
     """The same where the limit is held without current.  False: the limit before stays."""
-    return implies(~s.current, s.limit <= 0)
+    return loss_of_current_is_limit_0(s)

@@ -86,63 +86,63 @@ def plain_ceiling_keeps_the_point_without_traction(s: Seen) -> Bit:
 @claim(PlainRun, twin_of=plain_ceiling_keeps_the_point_without_traction, **REFUTATION)
 def plain_ceiling_keeps_the_point(s: Seen) -> Bit:
     """Under the plain ceiling a train never passes the protected point.  False: it accelerates until the brake acts."""
-    return s["train.x"] >= 0
+    return plain_ceiling_keeps_the_point_without_traction(s)
 
 
 @claim(ServiceRun, twin_of=service_brake_keeps_the_point, **REFUTATION | {"start": None})
 def keeps_the_point_wherever_it_starts(s: Seen) -> Bit:
     """The same wherever the train is at power-up.  False: it may be too near already."""
-    return s["train.x"] >= 0
+    return service_brake_keeps_the_point(s)
 
 
 @claim(LowerSpeedRun, twin_of=service_brake_keeps_the_point, **REFUTATION)
 def keeps_the_point_by_the_lower_speed(s: Seen) -> Bit:
     """The same with the lower end of the speed's interval compared.  False: the train may be faster."""
-    return s["train.x"] >= 0
+    return service_brake_keeps_the_point(s)
 
 
 @claim(FartherPointRun, twin_of=service_brake_keeps_the_point, **REFUTATION)
 def keeps_the_point_by_the_farther_end(s: Seen) -> Bit:
     """The same with the upper end of the distance's interval compared.  False: the point may be nearer."""
-    return s["train.x"] >= 0
+    return service_brake_keeps_the_point(s)
 
 
 @claim(NoFreeRunRun, twin_of=service_brake_keeps_the_point, **REFUTATION)
 def keeps_the_point_without_free_run(s: Seen) -> Bit:
     """The same with a ceiling that leaves the free run out.  False: the brake comes too late."""
-    return s["train.x"] >= 0
+    return service_brake_keeps_the_point(s)
 
 
 @claim(ClampedRun, twin_of=service_brake_keeps_the_point, **REFUTATION)
 def keeps_the_point_under_a_clamped_ceiling(s: Seen) -> Bit:
     """The same with a ceiling below 0 taken as 0.  False: a train that stands may start towards the point."""
-    return s["train.x"] >= 0
+    return service_brake_keeps_the_point(s)
 
 
 @claim(WeakBrake, twin_of=service_brake_keeps_the_point, **REFUTATION)
 def keeps_the_point_with_a_weak_brake(s: Seen) -> Bit:
     """The same with a brake that gives less than is guaranteed.  False."""
-    return s["train.x"] >= 0
+    return service_brake_keeps_the_point(s)
 
 
 @claim(StrongTraction, twin_of=service_brake_keeps_the_point, **ABOUT, expect=REFUTED, start=in_order,
        scenario=from_rest(ACCELERATION * Fraction(11, 10), 0))  # fmt: skip
 def keeps_the_point_under_stronger_traction(s: Seen) -> Bit:
     """The same with more acceleration than is assumed.  False."""
-    return s["train.x"] >= 0
+    return service_brake_keeps_the_point(s)
 
 
 @claim(SlowBrake, twin_of=service_brake_keeps_the_point, **ABOUT, expect=REFUTED, start=in_order,
        scenario=from_rest(ACCELERATION, 2))  # fmt: skip
 def keeps_the_point_with_a_slow_brake(s: Seen) -> Bit:
     """The same with a brake that takes two cycles more than the budget.  False."""
-    return s["train.x"] >= 0
+    return service_brake_keeps_the_point(s)
 
 
 @claim(TruthOutside, twin_of=service_brake_keeps_the_point, **REFUTATION)
 def keeps_the_point_with_the_truth_outside(s: Seen) -> Bit:
     """The same with intervals that need not contain the truth.  False."""
-    return s["train.x"] >= 0
+    return service_brake_keeps_the_point(s)
 
 
 # --- release and warning ---------------------------------------------------------------------------------------------
@@ -159,8 +159,7 @@ def released_well_below_the_ceiling(s: Seen) -> Bit:
        twin_of=released_well_below_the_ceiling)  # fmt: skip
 def released_well_below_the_ceiling_without_hysteresis(s: Seen) -> Bit:
     """The same where the brake is released at the ceiling.  False: it would come and go from cycle to cycle."""
-    higher = permits_accelerating(s.seen.v_hi + HYSTERESIS, s.seen.x_lo, B_SERVICE, T_SERVICE, ACCELERATION)
-    return implies(s.braking & ~s.service, higher)
+    return released_well_below_the_ceiling(s)
 
 
 @claim(Supervisor, expect=PROVED, requirement="SP-P3", source="[A] latched to standstill and acknowledgement")

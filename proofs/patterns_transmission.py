@@ -71,7 +71,7 @@ def magnet_stops_who_passes(s: Seen) -> Bit:
 def magnet_that_is_lost_stops_who_passes(s: Seen) -> Bit:
     """Whoever passes the magnet at stop is braked, even where it is gone or demagnetised.  False: nothing acts on the
     train, and nothing on board tells."""
-    return implies(s.passing & ~s.proceed, s.out)
+    return magnet_stops_who_passes(s)
 
 
 @claim(ResonantPoint, expect=PROVED, faults=any_of_faults(lost("contact", "oscillator", "relay", "valve")),
@@ -318,7 +318,7 @@ def loss_takes_the_limit_to_zero(s: Seen) -> Bit:
        twin_of=loss_takes_the_limit_to_zero, source="[A] wrong-side: decodes a higher code")  # fmt: skip
 def loss_takes_the_limit_to_zero_whatever_is_decoded(s: Seen) -> Bit:
     """Loss of the current takes the limit to 0 even with a receiver that decodes a code that is not there.  False."""
-    return implies(~s.track_current | (s.code == STOP), (s.limit <= 0) & s.brake)
+    return loss_takes_the_limit_to_zero(s)
 
 
 @claim(ContinuousCode, expect=PROVED, symbolic=("detection",), faults=at_most(2, RECEIVER_LOST), requirement="SP-F1",
@@ -335,4 +335,4 @@ VALVE = Fault(stuck(1), ["valve"], ANY_TIME, name="valve does not vent")
        twin_of=brakes_above_the_limit)  # fmt: skip
 def brakes_above_the_limit_with_any_valve(s: Seen) -> Bit:
     """Faster than the limit of the held code the brake comes, even if the valve does not vent.  False."""
-    return implies((s.v > allowed(s.decoded)) | ~s.valve, s.brake)
+    return brakes_above_the_limit(s)

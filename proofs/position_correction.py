@@ -11,10 +11,10 @@ match.  A balise that is not in the line data moves the train wrongly.  w = inte
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from fractions import Fraction
 
 from models.position.sighting import CrowdedSighting, Sighting
+from proofs.premises import together
 from safety import PROVED, REFUTED, Bit, Real, Seen, all_of, claim, count, implies, since
 from safety.prove.bounds import Bound, between, magnitude, reals
 from safety.prove.weakest import ABOVE, weakest_real
@@ -23,7 +23,6 @@ NAMES = "abcd"
 OPEN = tuple(f"correction.data.{what}_{n}" for what in ("place", "kind") for n in NAMES)
 JITTER = Fraction(1, 10)  # m
 RULES = "[A] rules of correction; [P] at every balise"
-Premise = Callable[[Seen], Bit]
 
 
 # --- premises --------------------------------------------------------------------------------------------------------
@@ -68,16 +67,6 @@ def half_way(apart: Real, off: Real) -> Bit:
     )
 
 
-def given(*premises: Premise) -> Premise:
-    """All of these."""
-
-    def all_hold(s: Seen) -> Bit:
-        return all_of(*(each(s) for each in premises))
-
-    all_hold.__doc__ = "; ".join(each.__doc__ or "" for each in premises)
-    return all_hold
-
-
 # --- the match is the right one --------------------------------------------------------------------------------------
 
 
@@ -88,7 +77,7 @@ def right(s: Seen) -> Bit:
     return implies(s.matched.adopted, (fix.place == s.place) & inside)
 
 
-@claim(CrowdedSighting, expect=PROVED, symbolic=OPEN, given=given(listed, holds), anywhere=True, requirement="AP-4",
+@claim(CrowdedSighting, expect=PROVED, symbolic=OPEN, given=together(listed, holds), anywhere=True, requirement="AP-4",
        source=RULES, steps=4)  # fmt: skip
 def a_match_is_right_while_the_interval_holds(s: Seen) -> Bit:
     """While the interval holds the train, what is adopted is the balise that is seen, for any line data, however near
@@ -96,7 +85,8 @@ def a_match_is_right_while_the_interval_holds(s: Seen) -> Bit:
     return right(s)
 
 
-@claim(CrowdedSighting, expect=PROVED, symbolic=OPEN, given=given(listed, near_enough, holds_estimate), anywhere=True,
+@claim(CrowdedSighting, expect=PROVED, symbolic=OPEN, anywhere=True,
+       given=together(listed, near_enough, holds_estimate),
        requirement="AP-4", source=RULES, steps=4)  # fmt: skip
 def a_match_is_right_within_half_the_spacing(s: Seen) -> Bit:
     """With an error below half the spacing of balises of a kind, what is adopted is the balise that is seen, even where
@@ -104,15 +94,15 @@ def a_match_is_right_within_half_the_spacing(s: Seen) -> Bit:
     return right(s)
 
 
-@claim(Sighting, expect=REFUTED, given=given(listed, narrow), anywhere=True, requirement="AP-4", steps=2, defeat=True,
-       twin_of=a_match_is_right_within_half_the_spacing)  # fmt: skip
+@claim(Sighting, expect=REFUTED, given=together(listed, narrow), anywhere=True, requirement="AP-4", steps=2,
+       defeat=True, twin_of=a_match_is_right_within_half_the_spacing)  # fmt: skip
 def a_match_is_right_whatever_the_error(s: Seen) -> Bit:
     """What is adopted is the balise that is seen, whatever the error.  False: creep or a slide can put the estimate to
     the next one."""
     return right(s)
 
 
-@claim(Sighting, expect=REFUTED, given=given(holds, narrow), anywhere=True, requirement="AP-4", steps=2, defeat=True,
+@claim(Sighting, expect=REFUTED, given=together(holds, narrow), anywhere=True, requirement="AP-4", steps=2, defeat=True,
        twin_of=a_match_is_right_while_the_interval_holds)  # fmt: skip
 def an_unlisted_balise_is_matched_rightly(s: Seen) -> Bit:
     """What is adopted holds the train whatever is seen.  False: one that is not listed passes for its neighbour."""
@@ -127,18 +117,18 @@ def looked_for(s: Seen) -> Bit:
     return s.sight.seen & s.correction.tally.known & ~s.code.given
 
 
-@claim(Sighting, expect=PROVED, symbolic=OPEN, given=given(listed, holds, narrow), anywhere=True, requirement="AP-4",
+@claim(Sighting, expect=PROVED, symbolic=OPEN, given=together(listed, holds, narrow), anywhere=True, requirement="AP-4",
        source=RULES, steps=4)  # fmt: skip
 def a_listed_balise_is_matched(s: Seen) -> Bit:
     """With the interval holding the train, no wider than laid out for, each listed balise that is seen is adopted."""
     return implies(looked_for(s), s.matched.adopted)
 
 
-@claim(CrowdedSighting, expect=REFUTED, symbolic=OPEN, given=given(listed, holds, narrow), anywhere=True, steps=2,
+@claim(CrowdedSighting, expect=REFUTED, symbolic=OPEN, given=together(listed, holds, narrow), anywhere=True, steps=2,
        requirement="AP-4", twin_of=a_listed_balise_is_matched)  # fmt: skip
 def a_listed_balise_is_matched_in_a_crowd(s: Seen) -> Bit:
     """Also with balises of a kind nearer than 2w.  False: there are two candidates, and none is adopted."""
-    return implies(looked_for(s), s.matched.adopted)
+    return a_listed_balise_is_matched(s)
 
 
 # --- two in succession make the position unknown ---------------------------------------------------------------------

@@ -12,7 +12,8 @@ from __future__ import annotations
 from fractions import Fraction
 
 from models.position.ride import Ride
-from proofs.position_odometer import PREMISES, given, grips, is_normal, scale, was_normal
+from proofs.position_odometer import PREMISES, grips, is_normal, scale, was_normal
+from proofs.premises import together
 from safety import PROVED, REFUTED, Bit, Real, Scenario, Seen, claim, implies, real
 from safety.prove.bounds import Bound, between, claim_bracket, magnitude, reals
 from safety.prove.laws import law
@@ -111,7 +112,7 @@ BRAKING = Fraction("0.8")  # m/s^2, true
 LOCKED = {"at.gain": lambda k: -BRAKING / (2 if k == 0 else 1), "at.slides": True}
 
 
-@claim(Ride, expect=REFUTED, given=given(*PREMISES), start=at_20, anywhere=True, requirement="AP-2", defeat=True,
+@claim(Ride, expect=REFUTED, given=together(*PREMISES), start=at_20, anywhere=True, requirement="AP-2", defeat=True,
        scenario=Scenario(30, LOCKED, start_at(20)), source="[D] 20 m/s, 0.8 m/s^2, 3 s: 56.4 m")  # fmt: skip
 def count_falls_less_than_56_4_short(s: Seen) -> Bit:
     """The plain count of the wheel's way falls less than 56.4 m behind, from 20 m/s on.  False: a wheel that is locked
@@ -146,7 +147,7 @@ def braking_at_20(s: Seen) -> Bit:
     return moving_at(s, 20, trend=Fraction("-0.1"))
 
 
-@claim(Ride, expect=REFUTED, given=given(*PREMISES), start=braking_at_20, anywhere=True, requirement="AP-2",
+@claim(Ride, expect=REFUTED, given=together(*PREMISES), start=braking_at_20, anywhere=True, requirement="AP-2",
        defeat=True, scenario=Scenario(30, LOCKED, start_at(20) | {"odometer.watch.trend": Fraction("-0.1")}),
        source="[D] b_ref 1.0 m/s^2, true 0.8 m/s^2: 0.9 m")  # fmt: skip
 def estimate_is_less_than_0_9_m_behind(s: Seen) -> Bit:

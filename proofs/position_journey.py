@@ -14,7 +14,8 @@ from __future__ import annotations
 from fractions import Fraction
 
 from models.position.journey import FromTheBeginning, Journey, UnstampedJourney
-from proofs.position_odometer import adhesion, brakes, gains, given, loses, no_traction, onset, scale
+from proofs.position_odometer import adhesion, brakes, gains, loses, no_traction, onset, scale, speed_is_bounded
+from proofs.premises import together
 from safety import PROVED, REFUTED, Bit, Scenario, Seen, claim, count, implies
 
 NAMES = "abcd"
@@ -47,12 +48,6 @@ ODOMETER = (scale, gains, loses, brakes, no_traction, onset, adhesion)
 ALL = (*ODOMETER, listed, stamped, true_code)
 
 
-def speed_is_bounded(s: Seen) -> Bit:
-    """The true mean speed lies between `floor` and `top`, and is none below 0."""
-    bounds = s.odometer.bounds
-    return (bounds.floor <= s.speed) & (s.speed <= bounds.top) & (s.speed >= 0)
-
-
 def train_is_inside(s: Seen) -> Bit:
     """A known position holds the train in its interval."""
     return implies(s.correction.tally.known, (s.odometer.s_lo <= s.way) & (s.way <= s.odometer.s_hi))
@@ -77,7 +72,7 @@ def inside(s: Seen) -> Bit:
     return implies(s.matched.reliable, (s.position.low <= s.there) & (s.there <= s.position.high))
 
 
-@claim(Journey, expect=PROVED, symbolic=PLACES, given=given(*ALL), lemmas=LEMMAS, requirement="AP-1",
+@claim(Journey, expect=PROVED, symbolic=PLACES, given=together(*ALL), lemmas=LEMMAS, requirement="AP-1",
        source="[P] position from axle pulses, corrected at every balise")  # fmt: skip
 def relied_on_means_inside(s: Seen) -> Bit:
     """As long as the position is relied on, the head of the train lies in [s_lo, s_hi] at the end of every cycle,
@@ -85,14 +80,14 @@ def relied_on_means_inside(s: Seen) -> Bit:
     return inside(s)
 
 
-@claim(UnstampedJourney, expect=PROVED, symbolic=PLACES, given=given(*ODOMETER, listed, true_code), lemmas=LEMMAS,
+@claim(UnstampedJourney, expect=PROVED, symbolic=PLACES, given=together(*ODOMETER, listed, true_code), lemmas=LEMMAS,
        requirement="AP-1", source="[A] all that the train can run in a cycle")  # fmt: skip
 def relied_on_without_stamps_means_inside(s: Seen) -> Bit:
     """The same without time stamps of balises, the interval widened by the way of a cycle."""
     return inside(s)
 
 
-@claim(FromTheBeginning, expect=REFUTED, given=given(*ALL), requirement="AP-1", twin_of=relied_on_means_inside,
+@claim(FromTheBeginning, expect=REFUTED, given=together(*ALL), requirement="AP-1", twin_of=relied_on_means_inside,
        scenario=late_balise("5.26", "0.02"), settings={PLACES[0]: Fraction("5.26")}, defeat=True)  # fmt: skip
 def relied_on_from_the_beginning(s: Seen) -> Bit:
     """The same where a balise passed in a cycle counts as passed at its beginning.  False: it is passed later, and the
@@ -100,7 +95,7 @@ def relied_on_from_the_beginning(s: Seen) -> Bit:
     return inside(s)
 
 
-@claim(UnstampedJourney, expect=REFUTED, given=given(*ODOMETER, true_code), requirement="AP-4", steps=6, defeat=True,
+@claim(UnstampedJourney, expect=REFUTED, given=together(*ODOMETER, true_code), requirement="AP-4", steps=6, defeat=True,
        twin_of=relied_on_without_stamps_means_inside)  # fmt: skip
 def relied_on_without_stamps_or_line_data(s: Seen) -> Bit:
     """Without time stamps when a balise may be seen that is not in the line data.  False: it is matched with another
@@ -108,7 +103,7 @@ def relied_on_without_stamps_or_line_data(s: Seen) -> Bit:
     return inside(s)
 
 
-@claim(Journey, expect=REFUTED, given=given(*ODOMETER, listed, true_code), requirement="AP-1",
+@claim(Journey, expect=REFUTED, given=together(*ODOMETER, listed, true_code), requirement="AP-1",
        scenario=late_balise("4.98", "0"), settings={PLACES[0]: Fraction("4.98")},
        twin_of=relied_on_means_inside)  # fmt: skip
 def relied_on_with_any_stamp(s: Seen) -> Bit:
@@ -116,14 +111,14 @@ def relied_on_with_any_stamp(s: Seen) -> Bit:
     return inside(s)
 
 
-@claim(Journey, expect=REFUTED, given=given(*ODOMETER, stamped, true_code), requirement="AP-4", defeat=True, steps=6,
+@claim(Journey, expect=REFUTED, given=together(*ODOMETER, stamped, true_code), requirement="AP-4", defeat=True, steps=6,
        twin_of=relied_on_means_inside)  # fmt: skip
 def relied_on_with_an_unlisted_balise(s: Seen) -> Bit:
     """The same when a balise may be seen that is not in the line data.  False: it is matched with another one."""
     return inside(s)
 
 
-@claim(Journey, expect=REFUTED, given=given(*ODOMETER, listed, stamped), requirement="AP-1",
+@claim(Journey, expect=REFUTED, given=together(*ODOMETER, listed, stamped), requirement="AP-1",
        twin_of=relied_on_means_inside)  # fmt: skip
 def relied_on_with_a_wrong_code(s: Seen) -> Bit:
     """The same when a code may be read wrongly.  False: it puts the train somewhere else."""

@@ -13,17 +13,16 @@ shown, and 2 a_hi T more.  The estimate itself can leave the interval.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from fractions import Fraction
 from typing import cast
 
 from models.position.ride import RememberingRide, Ride
-from safety import PROVED, REFUTED, Bit, Scenario, Seen, all_of, claim, implies, previous, real, select
+from proofs.premises import Premise, together
+from safety import PROVED, REFUTED, Bit, Scenario, Seen, claim, implies, previous, real, select
 
 WATCH = ("a_slip", "a_slide", "agrees", "recovery")
 MOTION = tuple(f"odometer.{name}" for name in ("cycle", "eps", "a_hi", "b_hi"))
 ALL = (*MOTION, *(f"odometer.watch.{name}" for name in WATCH))
-Premise = Callable[[Seen], Bit]
 
 
 def was_normal(s: Seen) -> Bit:
@@ -88,19 +87,9 @@ def true_fix(s: Seen) -> Bit:
 PREMISES: tuple[Premise, ...] = (scale, gains, loses, brakes, no_traction, onset, adhesion, true_fix)
 
 
-def given(*premises: Premise) -> Premise:
-    """All of these."""
-
-    def all_hold(s: Seen) -> Bit:
-        return all_of(*(each(s) for each in premises))
-
-    all_hold.__doc__ = "; ".join(each.__doc__ or "" for each in premises)
-    return all_hold
-
-
 def without(left_out: Premise) -> Premise:
     """All but one."""
-    return given(*(each for each in PREMISES if each is not left_out))
+    return together(*(each for each in PREMISES if each is not left_out))
 
 
 # --- the interval ----------------------------------------------------------------------------------------------------
@@ -125,7 +114,7 @@ def train_is_inside(s: Seen) -> Bit:
 LEMMAS = (speed_is_bounded, train_is_inside)
 
 
-@claim(Ride, expect=PROVED, symbolic=ALL, given=given(*PREMISES), lemmas=LEMMAS, requirement="AP-1",
+@claim(Ride, expect=PROVED, symbolic=ALL, given=together(*PREMISES), lemmas=LEMMAS, requirement="AP-1",
        source="[P] slip and slide corrected; rules, parameters [A]")  # fmt: skip
 def interval_holds_the_train(s: Seen) -> Bit:
     """The head of the train lies in [s_lo, s_hi] at the end of every cycle, whatever it gains and loses, whatever the
@@ -133,7 +122,7 @@ def interval_holds_the_train(s: Seen) -> Bit:
     return within(s)
 
 
-@claim(Ride, expect=PROVED, symbolic=ALL, given=given(*PREMISES), lemmas=LEMMAS, requirement="AP-1",
+@claim(Ride, expect=PROVED, symbolic=ALL, given=together(*PREMISES), lemmas=LEMMAS, requirement="AP-1",
        source="[D] supervision needs the speed at the end of a cycle, not its mean")  # fmt: skip
 def speed_is_bounded_at_the_end(s: Seen) -> Bit:
     """The speed at the end of a cycle, anywhere between its mean less b_hi T and its mean plus a_hi T, lies in
@@ -141,7 +130,7 @@ def speed_is_bounded_at_the_end(s: Seen) -> Bit:
     return ((s.odometer.slowest <= s.least) | (s.odometer.slowest <= 0)) & (s.most <= s.odometer.fastest)
 
 
-@claim(Ride, expect=REFUTED, given=given(*PREMISES), requirement="AP-1", twin_of=speed_is_bounded_at_the_end)
+@claim(Ride, expect=REFUTED, given=together(*PREMISES), requirement="AP-1", twin_of=speed_is_bounded_at_the_end)
 def mean_bounds_the_speed(s: Seen) -> Bit:
     """The speed at the end of a cycle is at most the speed that enters s_hi.  False: that one is a mean."""
     return s.most <= s.odometer.bounds.high
@@ -152,7 +141,7 @@ def no_fix(s: Seen) -> Bit:
     return ~s.fix.given
 
 
-@claim(Ride, expect=REFUTED, given=given(*PREMISES, no_fix), requirement="AP-1", twin_of=interval_holds_the_train,
+@claim(Ride, expect=REFUTED, given=together(*PREMISES, no_fix), requirement="AP-1", twin_of=interval_holds_the_train,
        steps=6, defeat=True)  # fmt: skip
 def estimate_is_inside(s: Seen) -> Bit:
     """The estimate lies in [s_lo, s_hi] as the train does.  False: in SLIDE s_lo goes with a wheel that turns faster
@@ -249,7 +238,7 @@ def brakes_in_a_slide(s: Seen) -> Bit:
 
 def weaker(premise: Premise) -> Premise:
     """Another premise in place of that of no gain in SLIDE."""
-    return given(*(premise if each is brakes else each for each in PREMISES))
+    return together(*(premise if each is brakes else each for each in PREMISES))
 
 
 @claim(Ride, expect=REFUTED, given=weaker(brakes_after_onset), requirement="AP-1", twin_of=interval_holds_the_train,

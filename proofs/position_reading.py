@@ -215,7 +215,7 @@ def a_group_is_accepted_with_jitter_unknown_to_the_decoder(s: Seen) -> Bit:
        twin_of=first_slot_is_read)  # fmt: skip
 def a_group_with_more_jitter_is_read(s: Seen) -> Bit:
     """Jitter up to 0.126 m: the first slot read is the group's.  False: it is more than u_tol away from every slot."""
-    return s.reading.p == s.p
+    return first_slot_is_read(s)
 
 
 @claim(TrueGroup, expect=REFUTED, given=with_more_scale_error, anywhere=True, requirement="AP-5", steps=1,

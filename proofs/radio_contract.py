@@ -14,9 +14,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from fractions import Fraction
 
-from models.kinematics import ACCELERATION, B_SERVICE, CYCLE, T_SERVICE, Quantity
+from models.kinematics import ACCELERATION, B_SERVICE, CYCLE, T_SERVICE, Quantity, need_accelerating
 from models.radio import Supervised
-from models.radio.watched import Watched, stop_doubled
+from models.radio.watched import Watched
 from proofs.radio_formulas import braking_fits, reacts_in_time, within_authority
 from proofs.radio_line import open_system, otherwise, unshared
 from safety import (
@@ -43,13 +43,13 @@ OPEN = ("driven.unit.t_loss", "driven.train.b", "driven.train.a", "driven.train.
 def stop_left(s: Seen) -> Quantity:
     """2 b times the way to a stop from here, with what is left of the reaction time."""
     t = s.driven.train
-    return stop_doubled(t.speed, t.b, t.left, t.a)
+    return need_accelerating(t.speed, t.b, t.left, t.a)
 
 
 def stop_after(s: Seen) -> Quantity:
     """The same from the speed reached, a cycle of the reaction time later."""
     t = s.driven.train
-    return stop_doubled(s.reached, t.b, s.time - CYCLE, t.a)
+    return need_accelerating(s.reached, t.b, s.time - CYCLE, t.a)
 
 
 def reacts(s: Seen) -> Bit:
@@ -138,7 +138,7 @@ LATE = Scenario(
     12, {"motion.way": CREEP * CYCLE, "motion.reached": CREEP}, present=[NO_FREE_RUN.name],
     start=TRAIN | {
         "driven.unit.limit": CREEP, "driven.train.speed": CREEP, "driven.train.left": CYCLE, "reached": CREEP,
-        "time": 2 * CYCLE, "needed": stop_doubled(CREEP, B_SERVICE, CYCLE, ACCELERATION),
+        "time": 2 * CYCLE, "needed": need_accelerating(CREEP, B_SERVICE, CYCLE, ACCELERATION),
     },
 )  # fmt: skip
 
@@ -147,7 +147,7 @@ LATE = Scenario(
        twin_of=stays_within_its_authority, faults=any_of_faults([NO_FREE_RUN]))  # fmt: skip
 def within_it_even_without_counting_the_free_run(s: Seen) -> Bit:
     """The train stays within its authority where the unit's pattern leaves out the free run of the brake."""
-    return within_authority(s.driven)
+    return stays_within_its_authority(s)
 
 
 @claim(Watched, expect=REFUTED, requirement="AR-3", source=ASSUMED, start=in_order, symbolic=OPEN,
@@ -155,7 +155,7 @@ def within_it_even_without_counting_the_free_run(s: Seen) -> Bit:
        faults=any_of_faults([Fault(reads(B_SERVICE / 100), ["driven.train.brake_force"])]))  # fmt: skip
 def within_it_even_with_a_weaker_brake(s: Seen) -> Bit:
     """The train stays within its authority where the brake gives less than any that the unit counts on."""
-    return within_authority(s.driven)
+    return stays_within_its_authority(s)
 
 
 @claim(Watched, expect=REFUTED, requirement="AR-3", source="[D] section 9, R1", start=in_order, symbolic=OPEN,
@@ -163,7 +163,7 @@ def within_it_even_with_a_weaker_brake(s: Seen) -> Bit:
        faults=any_of_faults([Fault(stuck(1), ["driven.unit.can_keep"])]))  # fmt: skip
 def within_it_even_when_it_takes_what_it_is_sent(s: Seen) -> Bit:
     """The train stays within the authority it has taken where it acknowledges without looking at its ceiling."""
-    return within_authority(s.driven)
+    return stays_within_its_authority(s)
 
 
 # --- the train watched is the train ----------------------------------------------------------------------------------

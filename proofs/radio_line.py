@@ -181,4 +181,4 @@ def the_third_train_never_passes_the_second(s: Seen) -> Bit:
        faults=any_of_faults([Fault(stuck(1), ["follower.cell.wrong_order"])]))  # fmt: skip
 def even_in_the_wrong_order(s: Seen) -> Bit:
     """The same where the ground takes the first train for the one ahead of the third."""
-    return BACK.never_passed(s)
+    return the_third_train_never_passes_the_second(s)

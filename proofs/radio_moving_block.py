@@ -80,7 +80,7 @@ def begins_within_its_authority(s: Seen) -> Bit:
        given=TWO.allowed_for, symbolic=TWO.left_open, twin_of=the_follower_never_passes_the_leader)  # fmt: skip
 def even_when_it_comes_too_fast_for_its_authority(s: Seen) -> Bit:
     """The same of a follower that begins at any speed, and so cannot keep its authority."""
-    return TWO.never_passed(s)
+    return the_follower_never_passes_the_leader(s)
 
 
 def rolls_back_20_m(s: Seen) -> Bit:
@@ -93,7 +93,7 @@ def rolls_back_20_m(s: Seen) -> Bit:
        given=TWO.keeps_its_authority, symbolic=TWO.left_open, twin_of=the_follower_never_passes_the_leader)  # fmt: skip
 def even_when_the_leader_rolls_back_20_m(s: Seen) -> Bit:
     """The same where the leader rolls back 20 m, with a margin of 10 m and no allowance (R4 dropped)."""
-    return TWO.never_passed(s)
+    return the_follower_never_passes_the_leader(s)
 
 
 @claim(TwoTrains, expect=REFUTED, requirement="AR-4", source=SOURCE, start=TWO.commissioned, given=given,
@@ -101,7 +101,7 @@ def even_when_the_leader_rolls_back_20_m(s: Seen) -> Bit:
        faults=any_of_faults([AT_ONCE]))  # fmt: skip
 def even_without_acknowledgement(s: Seen) -> Bit:
     """The same where the ground does not wait for the acknowledgement of a shorter authority (R1 dropped)."""
-    return TWO.never_passed(s)
+    return the_follower_never_passes_the_leader(s)
 
 
 @claim(TwoTrains, expect=REFUTED, requirement="AR-8", source=SOURCE, start=TWO.commissioned, given=given,
@@ -110,7 +110,7 @@ def even_without_acknowledgement(s: Seen) -> Bit:
 def even_when_old_reports_count_as_new(s: Seen) -> Bit:
     """The same where the ground does not look at the stamp of a report: a leader that has set back
     is still reported ahead."""
-    return TWO.never_passed(s)
+    return the_follower_never_passes_the_leader(s)
 
 
 @claim(TwoTrains, expect=REFUTED, requirement="AR-8", source=SOURCE, start=TWO.commissioned, given=given,
@@ -118,7 +118,7 @@ def even_when_old_reports_count_as_new(s: Seen) -> Bit:
        faults=any_of_faults([UNSTAMPED]))  # fmt: skip
 def even_when_old_authorities_count_as_new(s: Seen) -> Bit:
     """The same where the train does not look at the stamp of an authority: one from before a shortening comes again."""
-    return TWO.never_passed(s)
+    return the_follower_never_passes_the_leader(s)
 
 
 @claim(TwoTrains, expect=REFUTED, requirement="AR-4", source=SOURCE, start=TWO.commissioned, given=given,
@@ -126,7 +126,7 @@ def even_when_old_authorities_count_as_new(s: Seen) -> Bit:
        faults=any_of_faults([NO_RECEIPT]))  # fmt: skip
 def even_when_an_order_counts_as_carried_out_at_once(s: Seen) -> Bit:
     """The same where the ground does not wait for the receipt: the leader is reported ahead, then sets back."""
-    return TWO.never_passed(s)
+    return the_follower_never_passes_the_leader(s)
 
 
 @claim(TwoTrains, expect=REFUTED, requirement="AR-8", source=SOURCE, start=TWO.commissioned, given=given,
@@ -134,7 +134,7 @@ def even_when_an_order_counts_as_carried_out_at_once(s: Seen) -> Bit:
        faults=any_of_faults([AGAIN]))  # fmt: skip
 def even_when_old_orders_count_as_new(s: Seen) -> Bit:
     """The same where the leader does not look at the stamp of an order: it sets back once more when one is replayed."""
-    return TWO.never_passed(s)
+    return the_follower_never_passes_the_leader(s)
 
 
 @claim(TwoTrains, expect=REFUTED, requirement="AR-6", source=SOURCE, start=TWO.commissioned, given=given,
@@ -166,7 +166,7 @@ def even_when_the_ground_has_lost_a_train(s: Seen) -> Bit:
        faults=any_of_faults([Fault(offset(1000), ["follower.authorities.place_heard"])]))  # fmt: skip
 def even_when_a_corrupted_message_passes(s: Seen) -> Bit:
     """The same where an authority is corrupted and passes its check sum."""
-    return TWO.never_passed(s)
+    return the_follower_never_passes_the_leader(s)
 
 
 @claim(TwoTrains, expect=REFUTED, requirement="AR-6", source="[D] section 9, R4", start=TWO.commissioned,

@@ -59,4 +59,4 @@ def brakes_with_signals_1_and_2_swapped(s: Seen) -> Bit:
        scenario=RIDE.scenarios((OTHER,))[2], twin_of=brakes_with_signals_1_and_2_swapped)  # fmt: skip
 def brakes_with_signals_2_and_3_swapped(s: Seen) -> Bit:
     """With signals 2 and 3 swapped it does too.  False: FF6 is never reset, and says safe for ever."""
-    return implies(RIDE.too_fast_too_long(s), s.brake)
+    return brakes_with_signals_1_and_2_swapped(s)

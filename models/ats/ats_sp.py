@@ -18,11 +18,11 @@ from __future__ import annotations
 
 from typing import NamedTuple, Self
 
-from models.ats.nearest import nearest
 from models.ats.overrun import StationStop
 from models.ats.phase import Phase, PhaseReceiver, Told
 from models.ats.supervision import PLACES, Events, Orders, Supervision
 from models.ats.variants import BlindAtAPlace
+from models.kinematics import at_most, nearest
 from models.position.correction import BRANCH, REFERENCE, RELEASE, SIGNAL, Entry, Matched
 from models.position.locator import Sighted, UnstampedLocator
 from models.position.odometer import Fix, step_s
@@ -185,9 +185,9 @@ class AtsSp(Assigned, tick_s=step_s):
     def step(self, shift: Shift, pulses: Real, code: Fix, phase: Phase, inputs: Inputs) -> tuple[Self, Outputs]:
         """One cycle: a balise, pulses a second, what a code told, the phase, and the rest."""
         require("the stop mark lies before the crossing", self.sp.mark_at < self.crossing_at,
-                nearest("mark_at", self.crossing_at, "m", "any below"))  # fmt: skip
+                nearest("mark_at", self.crossing_at, "m", at_most, "any below"))  # fmt: skip
         require("the section ends at the signal, or before", self.receiver.ends <= self.sp.signal_at,
-                nearest("receiver.ends", self.sp.signal_at, "m"))  # fmt: skip
+                nearest("receiver.ends", self.sp.signal_at, "m", at_most))  # fmt: skip
         self.check()
         coil, read = self.coil.step(shift)
         locator, located = self.locator.step(pulses, Sighted(read.seen, read.kind, real(0)), code)

@@ -18,8 +18,7 @@ from __future__ import annotations
 from fractions import Fraction
 from typing import NamedTuple, Self
 
-from models.ats.nearest import nearest
-from models.kinematics import B_SERVICE, Interval, mps, refuse, root
+from models.kinematics import B_SERVICE, Interval, at_least, at_most, mps, nearest, refuse, root
 from safety import ANY, Bit, Model, Real, assume, parameter, point, power_up, require, select
 
 WARNING = Fraction(30)  # s, T_w [A]
@@ -52,7 +51,7 @@ def stopping_warning(
     brakes = speed * speed / (2 * b)
     if brakes > approach:
         refuse("stop mark", mark, "m before the crossing", f"a train brakes for {float(brakes):g} m, from before the "
-               "start point on", f"{float(start_point(speed) - brakes):g} m")  # fmt: skip
+               "start point on", f"{at_most(start_point(speed) - brakes)} m")  # fmt: skip
     until = (approach - brakes) / speed + speed / b + dwell
     run = run_from_mark(mark)
     return Interval(until + run.low, until + run.high)
@@ -65,7 +64,8 @@ def notice_for(warning: Fraction = WARNING, mark: Fraction = MARK, a: Fraction =
     """
     run = run_from_mark(mark, a)
     if warning <= run.high:
-        refuse("warning", warning, "s", f"the run from the mark takes {float(run.high):g} s", f"{float(run.high):g} s")
+        refuse("warning", warning, "s", f"the run from the mark takes {float(run.high):g} s",
+               f"above {at_least(run.high)} s")  # fmt: skip
     return Interval(warning - run.high, warning - run.low)
 
 
@@ -99,7 +99,7 @@ class OnTheLine(Model, event="a change of its inputs"):
     def moved(self, elapsed: Real, way: Real, reached: Real) -> Real:
         """Where the head is after `way`; what the line and the train allow is assumed."""
         require("the stop mark lies between start point and crossing", self.mark < self.start,
-                nearest("mark", self.start, "m before the crossing", "any below"))  # fmt: skip
+                nearest("mark", self.start, "m before the crossing", at_most, "any below"))  # fmt: skip
         head = self.head + way
         assume("the train runs forward", (elapsed >= 0) & (way >= 0) & (reached >= 0))
         assume("no faster than the line speed", (reached <= self.v_max) & (way <= self.v_max * elapsed))

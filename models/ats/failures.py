@@ -72,6 +72,11 @@ class Mode(NamedTuple):
         return f"{self.component}: {self.mode}"
 
     @property
+    def wrong_side(self) -> bool:
+        """Whether it is by itself: as the table has it, but for the rows with a reason why not."""
+        return self.direction == "D" and not self.why
+
+    @property
     def injected(self) -> list[Fault]:
         """All its faults, each called by what it is and when."""
         return [*self.faults, *self.others]

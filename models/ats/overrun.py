@@ -14,8 +14,7 @@ from __future__ import annotations
 from fractions import Fraction
 from typing import NamedTuple, Self
 
-from models.ats.nearest import nearest
-from models.kinematics import CYCLE, KMH
+from models.kinematics import CYCLE, KMH, nearest
 from models.position.odometer import Position, step_s
 from safety import Bit, Model, Real, parameter, point, power_up, require, select
 
@@ -42,7 +41,7 @@ class StationStop(Model, tick_s=step_s):
     def step(self, timetable_stop: Bit, known: Bit, where: Position, mark: Real) -> tuple[Self, Stop]:
         """One cycle; `known`: the position may be relied on; the stop mark, m."""
         require("the stop can be made within its window", self.window > self.uncertain,
-                nearest("window", self.uncertain, "m", "any above"))  # fmt: skip
+                nearest("window", self.uncertain, "m", side="any above"))  # fmt: skip
         near = (where.guess - mark <= self.window) & (mark - where.guess <= self.window)
         stands = near & (where.fastest <= self.standstill) & known
         still = select(stands, self.still + self.cycle, 0)

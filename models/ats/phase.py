@@ -21,8 +21,7 @@ from __future__ import annotations
 from fractions import Fraction
 from typing import NamedTuple, Self
 
-from models.ats.nearest import nearest
-from models.kinematics import CYCLE
+from models.kinematics import CYCLE, nearest
 from models.position.odometer import Position, step_s
 from safety import Bit, Model, Real, assume, parameter, point, power_up, require, select
 
@@ -59,7 +58,7 @@ class PhaseReceiver(Model, tick_s=step_s):
         """One cycle: the reading at its end; what it tells of the signal ahead."""
         least = self.begins + 2 * self.joint
         require("the section is longer than both joint zones", self.ends > least,
-                nearest("ends", least, "m", "any above"))  # fmt: skip
+                nearest("ends", least, "m", side="any above"))  # fmt: skip
         n, r = point("n", phase.n), point("r", phase.r)
         assume("a change is as old as the cycle at most", (phase.age >= 0) & (phase.age <= self.cycle))
         here = self.here(where)

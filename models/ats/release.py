@@ -15,7 +15,7 @@ from typing import NamedTuple, Self
 
 from models.ats.phase import Phase, PhaseReceiver, Told
 from models.ats.supervision import Events, Orders, Supervision
-from models.kinematics import positive, refuse
+from models.kinematics import at_most, positive, refuse
 from models.position.odometer import Position, step_s
 from safety import Bit, Model, assume, bit, point, power_up
 
@@ -38,7 +38,7 @@ def balises(first: Fraction, signal: Fraction, spacing: Fraction) -> list[Fracti
     stretch = signal - first
     if spacing >= stretch:
         refuse("spacing", spacing, "m", f"it leaves no release balise in {float(stretch):g} m",
-               f"any below {float(stretch):g} m")  # fmt: skip
+               f"any below {at_most(stretch)} m")  # fmt: skip
     count = -(-stretch // spacing) - 1
     return [first + spacing * k for k in range(1, int(count) + 1)]
 

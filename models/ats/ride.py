@@ -13,7 +13,6 @@ from __future__ import annotations
 from fractions import Fraction
 from typing import NamedTuple, Self
 
-from models.ats.nearest import nearest
 from models.ats.supervision import (
     PLACES,
     Accelerating,
@@ -27,7 +26,7 @@ from models.ats.supervision import (
     Orders,
     strictest,
 )
-from models.kinematics import B_SERVICE, CYCLE, MARGIN, T_SERVICE
+from models.kinematics import B_SERVICE, CYCLE, MARGIN, T_SERVICE, nearest
 from models.position.odometer import Position, step_s
 from safety import ANY, Bit, Model, Real, assume, parameter, point, power_up, real, require, select
 

@@ -26,7 +26,6 @@ from __future__ import annotations
 from fractions import Fraction
 from typing import NamedTuple, Self
 
-from models.ats.nearest import nearest
 from models.kinematics import (
     ACCELERATION,
     B_EMERGENCY,
@@ -39,6 +38,7 @@ from models.kinematics import (
     T_SERVICE,
     intervenes,
     intervenes_accelerating,
+    nearest,
     permits,
 )
 from models.position.odometer import Position, step_s

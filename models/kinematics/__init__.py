@@ -13,6 +13,7 @@ from models.kinematics.braking import (
     is_ceiling_accelerating,
     is_effective,
     need,
+    need_accelerating,
     permits,
     permits_accelerating,
     permits_building_up,
@@ -31,7 +32,7 @@ from models.kinematics.ceiling import (
     root,
 )
 from models.kinematics.motion import gains_at_most, is_motion, loses_at_least, moved, way_doubled
-from models.kinematics.refusal import at_least, at_most, not_negative, positive, refuse, shown
+from models.kinematics.refusal import at_least, at_most, nearest, not_negative, positive, refuse, shown
 from models.kinematics.units import (
     ACCELERATION,
     ASSUMED,
@@ -85,7 +86,9 @@ __all__ = [
     "loses_at_least",
     "moved",
     "mps",
+    "nearest",
     "need",
+    "need_accelerating",
     "not_negative",
     "permits",
     "permits_accelerating",

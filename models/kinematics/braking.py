@@ -93,12 +93,12 @@ def intervenes_accelerating(
     v: Quantity, x: Quantity, b: Quantity, t: Quantity, a: Quantity, v1: Quantity = 0
 ) -> Decision:
     """v > v_pc(x, v1)."""
-    return ((v1 <= 0) | (v + a * t > v1)) & (_doubled(v, b, t, a, v1) > 2 * b * x)
+    return ((v1 <= 0) | (v + a * t > v1)) & (need_accelerating(v, b, t, a) - v1 * v1 > 2 * b * x)
 
 
 def stops_accelerating(v: Quantity, x: Quantity, b: Quantity, t: Quantity, a: Quantity, v1: Quantity = 0) -> Decision:
     """(v + a t)^2 - v1^2 <= 2 b (x - v t - a t^2 / 2): acceleration during t and braking to v1 fit."""
-    return _doubled(v, b, t, a, v1) <= 2 * b * x
+    return need_accelerating(v, b, t, a) - v1 * v1 <= 2 * b * x
 
 
 def is_ceiling_accelerating(c: Quantity, x: Quantity, b: Quantity, t: Quantity, a: Quantity) -> Decision:
@@ -107,9 +107,10 @@ def is_ceiling_accelerating(c: Quantity, x: Quantity, b: Quantity, t: Quantity, 
     return (root >= 0) & (root * root == b * t * b * t + 2 * b * x + a * b * t * t)
 
 
-def _doubled(v: Quantity, b: Quantity, t: Quantity, a: Quantity, v1: Quantity) -> Quantity:
+def need_accelerating(v: Quantity, b: Quantity, t: Quantity, a: Quantity) -> Quantity:
+    """2 b times the way from v to a stop: traction at a for t more seconds, then the brake."""
     reached = v + a * t
-    return reached * reached - v1 * v1 + b * t * (2 * v + a * t)
+    return reached * reached + b * t * (2 * v + a * t)
 
 
 # --- build-up of the brake -------------------------------------------------------------------------------------------

@@ -10,47 +10,19 @@ the conservative one 73.346.
 from __future__ import annotations
 
 from fractions import Fraction
-from math import isqrt, sqrt
-from typing import NamedTuple
+from math import sqrt
 
+from models import enclosure
+from models.enclosure import DIGITS, Exact, Interval
 from models.kinematics.braking import Quantity
 from models.kinematics.refusal import exact, not_negative, positive, refuse, shown
 
-Exact = Fraction | int
-DIGITS = 30  # after the point, of an enclosure
-
-
-class Interval(NamedTuple):
-    """An enclosure with exact ends."""
-
-    low: Fraction
-    high: Fraction
-
-    def shifted(self, by: Exact) -> Interval:
-        """Both ends moved."""
-        return Interval(self.low + by, self.high + by)
-
-    def scaled(self, factor: Exact) -> Interval:
-        """Multiplied by a factor above 0."""
-        return Interval(self.low * factor, self.high * factor)
-
-    @property
-    def middle(self) -> Fraction:
-        """Halfway between the ends."""
-        return (self.low + self.high) / 2
-
 
 def root(x: Exact, digits: int = DIGITS) -> Interval:
-    """Square root of a number from 0 up; the ends coincide where it is that short, else lie 10^-digits apart.
-
-    Raises ModelError below 0.
-    """
+    """Square root as an enclosure; ModelError below 0, and for what is no exact number."""
     exact("radicand", x, "")
     not_negative("radicand", x, "")
-    scale = 10**digits
-    scaled = Fraction(x) * scale * scale
-    low = isqrt(int(scaled))
-    return Interval(Fraction(low, scale), Fraction(low + (low * low != scaled), scale))
+    return enclosure.root(x, digits)
 
 
 def distance(v: Quantity, b: Quantity, t: Quantity, v1: Quantity = 0) -> Quantity:

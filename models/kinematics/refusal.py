@@ -5,11 +5,12 @@ A nearest value is rounded to the admissible side, `at_least` up and `at_most` d
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
 from fractions import Fraction
 from typing import Any, NoReturn
 
-from safety import ModelError
+from safety import ModelError, Real
 from safety.terms import Term
 
 
@@ -36,6 +37,16 @@ def at_most(value: Any) -> str:
 def _rounded(value: Any, way: str) -> str:
     exact = Fraction(value)
     return f"{Context(prec=6, rounding=way).divide(Decimal(exact.numerator), Decimal(exact.denominator)).normalize():f}"
+
+
+def nearest(
+    name: str, value: Real, unit: str, rounded: Callable[[Any], str] = at_least, side: str = ""
+) -> Callable[[], str]:
+    """What `require` is to say of parameters that do not go together: the nearest admissible value of one.
+
+    `side` is "any above" or "any below" where the value itself is not admissible.
+    """
+    return lambda: f"the nearest admissible {name} is {side}{' ' if side else ''}{rounded(value.attr)} {unit}"
 
 
 def exact(what: str, value: Any, unit: str) -> None:

@@ -13,10 +13,10 @@ Source: correction at every balise [P]; the rules and numbers [A].
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from fractions import Fraction
 from typing import NamedTuple
 
+from models.kinematics import nearest
 from models.position.odometer import Fix, larger, smaller, step_s
 from safety import U2, Bit, Model, Real, all_of, any_of, at_least, count, parameter, point, power_up, require, select
 
@@ -150,7 +150,8 @@ class CorrectionData(Model):
 
     def check(self, stored: Entries, least: Real) -> None:
         """Refuse line data in which the search for a balise can find two."""
-        require("balises in running order, those of one kind more than 2w apart", spaced(stored, least), nearest(least))
+        require("balises in running order, those of one kind more than 2w apart", spaced(stored, least),
+                nearest("spacing", least, "m", side="any above"))  # fmt: skip
 
     def window(self, width: Real) -> Real:
         """w, m, of an interval so wide."""
@@ -194,11 +195,6 @@ class Crowded(Correction, tick_s=step_s):
 
     def check(self, stored: Entries, least: Real) -> None:
         """Refuse nothing."""
-
-
-def nearest(least: Real) -> Callable[[], str]:
-    """What to say of balises that stand too close."""
-    return lambda: f"the nearest admissible spacing is any above {float(least.attr):g} m"
 
 
 def within(place: Real, guess: Real, window: Real) -> Bit:

@@ -15,6 +15,7 @@ from __future__ import annotations
 from fractions import Fraction
 from typing import ClassVar, NamedTuple, Self
 
+from models.kinematics import at_most
 from models.position.code import SPAN
 from models.position.code_sets import TURNED, CodeSet, bose
 from models.position.odometer import step_s
@@ -80,7 +81,7 @@ def span_tolerance(e: Fraction, eps: Fraction) -> Fraction:
 
 def below(name: str, limit: Real, divisor: Fraction | int, unit: str) -> str:
     """What to say of a parameter that is too large."""
-    return f"the nearest admissible {name} is any below {float(limit.attr / divisor):.6g} {unit}"
+    return f"the nearest admissible {name} is any below {at_most(limit.attr / divisor)} {unit}"
 
 
 def read(spot: Real, last: Real, tolerance: Fraction | Real) -> Slot:

@@ -13,10 +13,10 @@ Source: codes checked against those installed, direction by codes without mirror
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable
 from fractions import Fraction
 from typing import ClassVar, NamedTuple
 
+from models.kinematics import nearest
 from models.position.code import SPAN, Code, check, mirror
 from models.position.decoder import Decoder, DecoderData, Reading
 from models.position.odometer import Fix, step_s
@@ -66,7 +66,7 @@ class Placing(DecoderData, tick_s=step_s):
         for before, after in itertools.pairwise(sorted(self.groups, key=lambda group: group.at)):
             least = before.at + SPAN + 2 * (SPAN + self.slack())
             label = f"ends of the groups at {before.at} and {after.at} m more than 2W apart"
-            require(label, real(after.at) > least, above(least))
+            require(label, real(after.at) > least, nearest("place", least, "m", side="any above"))
 
 
 class AnyGroups(Placing, tick_s=step_s):
@@ -89,11 +89,6 @@ class CodeReader(Model, tick_s=step_s):
         decoder, reading = self.decoder.step(run, balise, reverses, slips)
         placing, told = self.placing.step(reading)
         return type(self)(decoder=decoder, placing=placing), told
-
-
-def above(least: Real) -> Callable[[], str]:
-    """What to say of a place that is too near."""
-    return lambda: f"the nearest admissible place is any above {float(least.attr):g} m"
 
 
 def reads(reading: Reading, code: Code) -> Bit:

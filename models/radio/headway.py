@@ -14,7 +14,18 @@ from __future__ import annotations
 
 from fractions import Fraction
 
-from models.kinematics import B_SERVICE, CYCLE, T_SERVICE, Interval, distance, not_negative, positive, refuse, root
+from models.kinematics import (
+    B_SERVICE,
+    CYCLE,
+    T_SERVICE,
+    Interval,
+    at_least,
+    distance,
+    not_negative,
+    positive,
+    refuse,
+    root,
+)
 
 SYSTEM_S = Fraction(5)  # T_r + T_c + reaction + free run [A]
 LENGTH_M = Fraction(200)  # [A]
@@ -76,7 +87,7 @@ def t_loss(seconds: Fraction, period: Fraction = PERIOD_S, latency: Fraction = L
     """A T_loss that regular traffic never exceeds; ModelError below a period, the latency and a cycle."""
     least = period + latency + CYCLE
     if seconds < least:
-        refuse("T_loss", seconds, "s", "regular traffic would raise radio_lost", f"{float(least):g} s")
+        refuse("T_loss", seconds, "s", "regular traffic would raise radio_lost", f"{at_least(least)} s")
     return seconds
 
 

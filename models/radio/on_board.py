@@ -12,7 +12,7 @@ from __future__ import annotations
 from fractions import Fraction
 from typing import NamedTuple
 
-from models.kinematics import CYCLE, Decision, permits_accelerating
+from models.kinematics import CYCLE, Decision, nearest, permits_accelerating
 from models.radio.messages import Arrival, Message
 from models.radio.train import Motion, Reading, SetBack, Train, read
 from safety import ANY, Bit, Model, Real, parameter, point, power_up, require, select
@@ -42,7 +42,7 @@ class OnBoard(Model, tick_s=CYCLE):
         """One cycle; `train` as read at its beginning."""
         least = self.period + self.latency + CYCLE
         require("T_loss covers a period, the latency and a cycle", self.t_loss >= least,
-                nearest=lambda: f"the nearest admissible t_loss is {float(least.attr):g} s")  # fmt: skip
+                nearest=nearest("t_loss", least, "s"))  # fmt: skip
         reaction = point("reaction", train.free_run + 2 * CYCLE)  # this cycle, free run, rest of the cycle it ends in
 
         def kept(end: Real) -> Decision:

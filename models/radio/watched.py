@@ -7,24 +7,18 @@ Source: section 10, AR-3; the argument [D].
 
 from __future__ import annotations
 
-from models.kinematics import CYCLE, Quantity
+from models.kinematics import CYCLE, need_accelerating
 from models.radio.messages import Arrival
 from models.radio.on_board import Drive, Supervised
 from models.radio.train import Motion, SetBack
 from safety import ANY, Bit, Model, Real, power_up, select
 
 
-def stop_doubled(v: Quantity, b: Quantity, t: Quantity, a: Quantity) -> Quantity:
-    """2 b times the way to a stop from the speed v: traction at a for t more seconds, then the brake b; m^2/s^2."""
-    reached = v + a * t
-    return reached * reached + b * t * (2 * v + a * t)
-
-
 class Watched(Model, tick_s=CYCLE):
     """A supervised train and, what it did in the cycle before.
 
     `head` and `held`, the authority, are those at its beginning; `time` is what was left then of the reaction time, all
-    of it where no brake was demanded; `needed` is `stop_doubled` with it; `shorter` says that a shorter one was taken.
+    of it where no brake was demanded; `needed` is `need_accelerating` with it; `shorter`: a shorter one was taken.
     """
 
     driven: Supervised
@@ -43,7 +37,7 @@ class Watched(Model, tick_s=CYCLE):
         driven, drive = self.driven.step(now, came, order, motion)
         train = self.driven.train
         whole = train.free_run + 2 * CYCLE
-        left, all_left = (stop_doubled(train.speed, train.b, time, train.a) for time in (train.left, whole))
+        left, all_left = (need_accelerating(train.speed, train.b, time, train.a) for time in (train.left, whole))
         acted = drive.brake & (train.left < CYCLE)
         way, reached = motion.possible(train.speed, train.a, train.b, acted)
         return Watched(

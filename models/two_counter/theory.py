@@ -11,38 +11,12 @@ Main results: (6) and (7) are misprinted, (18) holds with K' = 3/2 + 4/n2E once 
 from __future__ import annotations
 
 from fractions import Fraction
-from math import isqrt
-from typing import NamedTuple
 
+from models.enclosure import Exact, Interval, root
 from models.two_counter.numbers import PREPARATION_PULSES, READ_OUT_PULSES
 
-Exact = Fraction | int
-ROOT_DIGITS = 30
 HALF = Fraction(1, 2)
 K = Fraction(3, 2)  # T''c / 2Ts + T''s / Ts without preparation
-
-
-class Interval(NamedTuple):
-    """An enclosure with exact ends."""
-
-    low: Fraction
-    high: Fraction
-
-    def scaled(self, factor: Exact, shift: Exact = 0) -> Interval:
-        """Multiplied by a factor above 0, then shifted."""
-        return Interval(self.low * factor + shift, self.high * factor + shift)
-
-    @property
-    def middle(self) -> Fraction:
-        """Halfway between the ends."""
-        return (self.low + self.high) / 2
-
-
-def root(x: Exact) -> Interval:
-    """Square root of a number from 0 up, its ends at most 1e-30 apart."""
-    scale = 10**ROOT_DIGITS
-    low = isqrt(int(Fraction(x) * scale * scale))
-    return Interval(Fraction(low, scale), Fraction(low + 1, scale))
 
 
 def positive_root(a: Exact, b: Exact, c: Exact) -> Interval:

@@ -16,7 +16,6 @@ from safety.prove.problem import Problem
 from safety.prove.solve import Disagreement
 from safety.system import ModelError
 
-WHOLE = "z3"  # the route that knows of whole numbers
 _INDUCTION = re.compile(r"induction of depth (\d+),(.*, bits$)?")
 
 
@@ -46,8 +45,11 @@ def certified_over_reals(
 ) -> dict[str, Any] | None:  # fmt: skip
     """The same of a claim over reals, which is one obligation; its "certificate" then names the routes, too.
 
-    Of a bracket, and of a claim with whole numbers among its variables, only the routes stand in the entry.
+    Of a bracket, and of a claim that is shown for whole values of some variables only, the routes alone stand in the
+    entry.
     """
+    from safety.prove.bounds.routes import NLSAT
+
     routes: dict[str, Any] | None = entry["certificate"]
     if routes is None:
         return None
@@ -56,7 +58,7 @@ def certified_over_reals(
     except ModelError as error:
         warn(f"{claim.id}: no certificate; {error}")
         return routes
-    if set(entry["agreed_by"]) & {WHOLE}:
+    if claim.about.whole and NLSAT not in entry["agreed_by"]:
         warn(f"{claim.id}: no certificate; it holds for whole numbers, of which its form knows nothing")
         return routes
     made = _written(problem, 0, entry["agreed_by"], folder, timeout, say, warn)

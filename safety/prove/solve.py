@@ -25,7 +25,6 @@ COVERINGS, JUSTIFIED = {"nl-ext": "none"}, {"decision": "justification"}
 WAYS = (COVERINGS, JUSTIFIED, dict[str, str]())  # of cvc5 with reals: what one decides at once another may never
 TURNS = (2.0, 8.0, math.inf)  # seconds that each of them has
 SAT, UNSAT, UNKNOWN = "sat", "unsat", "unknown"
-GRACE = 1.0  # seconds beyond its own limit that a solver in a process of its own is given
 
 
 class Disagreement(RuntimeError):
@@ -137,7 +136,7 @@ class Solver:
         """sat, unsat or unknown (`why` then says more); an interrupt from the keyboard is raised as such."""
         self.why = ""
         try:
-            answer = self._asked_apart() if self.apart else self._asked()
+            answer = self._asked_apart() if self.apart else str(self.raw.check())
         except Exception as error:
             self.why = f"{type(error).__name__}: {error}"
             return UNKNOWN
@@ -148,17 +147,18 @@ class Solver:
             raise KeyboardInterrupt
         return UNKNOWN
 
-    def _asked(self) -> str:
-        return str(self.raw.check())
-
     def _asked_apart(self) -> str:
         """cvc5's answer for reals, its ways having their turns."""
-        until = time.monotonic() + self.timeout + GRACE
+        until, ways = time.monotonic() + self.timeout, list(WAYS)
         for most, way in product(TURNS, WAYS):
             left = until - time.monotonic()
-            answer = answered_apart(partial(self._asked_with, way), min(most, left)) if left > 0 else ""
+            if left <= 0 or way not in ways:
+                continue
+            answer = answered_apart(partial(self._asked_with, way), min(most, left))
             if answer in (SAT, UNSAT):
                 return answer
+            if answer:  # it gave up before its time: more of that is no use
+                ways.remove(way)
         return UNKNOWN
 
     def _asked_with(self, options: Mapping[str, str]) -> str:

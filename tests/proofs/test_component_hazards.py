@@ -60,18 +60,18 @@ def test_rows_without_cut_sets_say_so() -> None:
 
 
 def test_what_injection_finds_dangerous_is_single_by_proof_or_has_no_cut_sets() -> None:
-    wrong = {mode.name for mode in table() if proofs.injected_wrong_side(mode)}
+    wrong = {mode.name for mode in table() if mode.wrong_side}
     assert {name for name in wrong if by_proof(name) != SINGLE} == {"reference balise: both"}
 
 
 def test_singles_that_injection_does_not_find_are_those_explained() -> None:
-    quiet = {mode.name for mode in table() if not proofs.injected_wrong_side(mode)}
+    quiet = {mode.name for mode in table() if not mode.wrong_side}
     assert {name for name in quiet if by_proof(name) == SINGLE} == set(proofs.NOT_ON_THE_RIDES)
 
 
 def test_dangerous_rows_of_the_table_that_are_no_singles_are_explained() -> None:
     other = {mode.name: mode for mode in table() if mode.direction == "D" and by_proof(mode.name) in (NEVER, PAIR)}
-    assert set(other) == {m.name for m in table() if m.direction == "D" and not proofs.injected_wrong_side(m)}
+    assert set(other) == {m.name for m in table() if m.direction == "D" and not m.wrong_side}
     assert set(other) == {"comparator: stuck equal", "radio (ground, train): replay"}
     assert all(mode.why for mode in other.values())
 

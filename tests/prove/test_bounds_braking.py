@@ -9,19 +9,16 @@ from __future__ import annotations
 
 import csv
 import json
-import os
 from fractions import Fraction as F
 from itertools import pairwise
-from pathlib import Path
 
 import pytest
 
 from safety.prove.bounds import Bound, between, bracket, check, reals
 from safety.prove.claims import PROVED, REFUTED
+from tests.oracles import SHARED
 
-FOLDER = (
-    Path(os.environ.get("RIGHTSIDE_ORACLES") or Path(__file__).resolve().parents[3] / "shared" / "oracles") / "braking"
-)
+FOLDER = SHARED / "braking"
 SCENARIOS = ("era_gamma_frg", "era_lambda_pasp_100_tco_sb", "era_lambda_pasp_200")
 ROWS, EVERY = 3 * 1901, 250
 NEAR = F(1, 10**6)  # metres: the tool prints doubles

@@ -5,11 +5,9 @@ The folder is $RIGHTSIDE_ORACLES, else ../shared/oracles beside the project. Row
 
 import csv
 import json
-import os
 from collections.abc import Callable
 from fractions import Fraction
 from functools import cache
-from pathlib import Path
 
 import pytest
 
@@ -17,10 +15,9 @@ from safety.rates.enclosure import Enclosure
 from safety.rates.markov import Chain, availability, mean_reward, mean_time, probability_before
 from safety.rates.numeric import Transient, enclose_mean_reward, transient
 from safety.rates.two_out_of_three import FAILED, chain
+from tests.oracles import SHARED
 
-FOLDER = (
-    Path(os.environ.get("RIGHTSIDE_ORACLES") or Path(__file__).resolve().parents[3] / "shared" / "oracles") / "markov"
-)
+FOLDER = SHARED / "markov"
 ROWS = 85
 HOURS_12 = 12 * 3600  # the embedded model counts in seconds
 

@@ -6,17 +6,13 @@ whose diagrams outgrow the largest budget of nodes; only their counts of gates a
 
 import csv
 import itertools
-import os
-from pathlib import Path
 
 import pytest
 
 from safety.trees import read, solve
+from tests.oracles import SHARED
 
-FOLDER = (
-    Path(os.environ.get("RIGHTSIDE_ORACLES") or Path(__file__).resolve().parents[3] / "shared" / "oracles")
-    / "fault_trees"
-)
+FOLDER = SHARED / "fault_trees"
 ROWS = 28
 SLOW = ("edfpa14b", "edfpa14p", "edfpa15b")  # 10 to 30 s each
 BEYOND = ("cea9601", "das9701", "edf9203", "nus9601")

@@ -2,18 +2,13 @@
 
 import csv
 import math
-import os
-from pathlib import Path
 
 import pytest
 
 from safety.trees import BasicEvent, FaultTree, Gate, solve
+from tests.oracles import SHARED
 
-FILE = (
-    Path(os.environ.get("RIGHTSIDE_ORACLES") or Path(__file__).resolve().parents[3] / "shared" / "oracles")
-    / "markov"
-    / "oracles.csv"
-)
+FILE = SHARED / "markov" / "oracles.csv"
 ROWS = 25
 if not FILE.is_file():
     pytest.skip(f"{FILE} is absent: {ROWS} oracle rows not checked; set RIGHTSIDE_ORACLES", allow_module_level=True)

@@ -12,6 +12,7 @@ proof that could be checked bit by bit, as those of claims about models can.  A 
 from __future__ import annotations
 
 import sys
+from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
@@ -34,7 +35,7 @@ _registry: dict[str, RealClaim] = {}
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class RealClaim:
+class RealClaim(ABC):
     """A claim over reals, which no model has.  `line` is where it stands."""
 
     id: str
@@ -47,22 +48,22 @@ class RealClaim:
     namespace: Mapping[str, Any] = field(default_factory=dict, repr=False)
 
     @property
+    @abstractmethod
     def statement(self) -> str:
         """The sentence that is proved or refuted."""
-        raise NotImplementedError
 
     @property
+    @abstractmethod
     def about(self) -> Stated:
         """What is claimed, with requirement and source."""
-        raise NotImplementedError
 
+    @abstractmethod
     def found(self, seconds: float) -> dict[str, Any]:
         """What is found of it, each route having so many seconds for a question."""
-        raise NotImplementedError
 
+    @abstractmethod
     def violation(self) -> Bit:
         """The points at which it is broken; raises `ModelError` where none could be named."""
-        raise NotImplementedError
 
     def problem(self) -> Problem:
         """It as a problem without registers, for a certificate; raises `ModelError` as `violation`."""

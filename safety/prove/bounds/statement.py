@@ -24,6 +24,7 @@ class Stated:
     source: str
     assumed: tuple[str, ...]
     method: ClassVar[str]
+    whole: tuple[Real, ...] = ()  # variables that take whole values only
 
     def assumptions(self) -> list[str]:
         """What is assumed, in words."""

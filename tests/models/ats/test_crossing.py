@@ -92,8 +92,8 @@ def test_departure_without_notice_is_held() -> None:
     ("wrong", "says"),
     [
         (lambda: run(Crossing, {}, 1, settings={"mark": 900}), "nearest admissible mark is any below 833.333 m"),
-        (lambda: stopping_warning(mark=Fraction(300)), "nearest admissible value is 277.778 m"),
-        (lambda: notice_for(Fraction(16)), "nearest admissible value is 16.9"),
+        (lambda: stopping_warning(mark=Fraction(300)), "nearest admissible value is 277.777 m"),
+        (lambda: notice_for(Fraction(16)), "nearest admissible value is above 16.9031 s"),
         (lambda: run(Crossing, {}, 1, settings={"least": 0}), "nearest admissible value is 1"),
     ],
 )

@@ -117,7 +117,7 @@ def test_service_comes_first_then_emergency(x: int) -> None:
     ("model", "settings", "says"),
     [
         (Supervision, {"switch_at": 900}, "nearest admissible switch_clear is 900 m"),
-        (Supervision, {"b_e": Fraction(1, 2)}, "nearest admissible b_e is 0.694444 m/s"),
+        (Supervision, {"b_e": Fraction(1, 2)}, "nearest admissible b_e is 0.694445 m/s"),
         (Supervision, {"t_s": 1}, "nearest admissible t_s is 1.5 s"),
         (GuardRide, {"train.acts": 3}, "nearest admissible t_s is 3.1 s"),
         (Supervision, {"margin": -1}, "nearest admissible value is 0"),

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import csv
 import json
-import os
 from pathlib import Path
 from typing import Any
 
@@ -12,10 +11,9 @@ import pytest
 
 from models.kinematics.era_curves import curves
 from safety import ModelError
+from tests.oracles import SHARED
 
-FOLDER = (
-    Path(os.environ.get("RIGHTSIDE_ORACLES") or Path(__file__).resolve().parents[4] / "shared" / "oracles") / "braking"
-)
+FOLDER = SHARED / "braking"
 SCENARIOS = sorted(FOLDER.glob("era_*_inputs.json"))
 if not SCENARIOS:
     pytest.skip(

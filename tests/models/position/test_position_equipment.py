@@ -267,7 +267,7 @@ def test_a_balise_corrects_the_position() -> None:
     [
         (Correction, {"data.place_b": 1040}, "nearest admissible spacing is any above 40.4 m"),
         (Decoder, {"jitter": Fraction("0.13")}, "nearest admissible jitter is any below 0.125 m"),
-        (Decoder, {"eps": Fraction("0.02")}, "nearest admissible eps is any below 0.0199005 1"),
+        (Decoder, {"eps": Fraction("0.02")}, "nearest admissible eps is any below 0.0199004 1"),
         (SpeedGenerator, {"diameter": 2}, "nearest admissible value is 1"),
     ],
 )
