@@ -50,7 +50,8 @@ def call(*command, **settings):
 
 def origin():
     """What .venv is made from: another interpreter, another place or another project text asks for another .venv."""
-    texts = [(ROOT / name).read_bytes() for name in ("pyproject.toml", "hatch_build.py")]
+    kernel = sorted(path.relative_to(ROOT) for path in ROOT.glob("safety/trees/kernel/*.py"))  # compiled when installed
+    texts = [(ROOT / name).read_bytes() for name in ("pyproject.toml", "hatch_build.py", *kernel)]
     return hashlib.sha256(b"\0".join([sys.implementation.cache_tag.encode(), bytes(VENV), *texts])).hexdigest()
 
 

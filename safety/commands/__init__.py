@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import argparse
 import contextlib
-import difflib
 import importlib
 import os
 import shlex
@@ -70,6 +69,8 @@ def _without_verb(words: list[str]) -> int:
     )
     parser.add_argument("--version", action="store_true", help="show the release and end")
     if words and not words[0].startswith("-"):
+        import difflib
+
         near = difflib.get_close_matches(words[0], VERBS, n=1)
         parser.error(
             f"there is no verb {words[0]!r}; " + (f"did you mean {near[0]}?" if near else f"verbs: {', '.join(VERBS)}")
@@ -78,9 +79,9 @@ def _without_verb(words: list[str]) -> int:
     if rest:
         parser.error(f"{rest[0]} stands before the verb; write `rightside VERB {rest[0]} ...`")
     if args.version:
-        from safety.commands.versions import version
+        from safety.commands.versions import VERSION
 
-        print(version())
+        print(VERSION)
         return 0
     parser.print_help(sys.stderr)
     return INPUT_ERROR

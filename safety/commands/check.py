@@ -1,6 +1,7 @@
-"""Check certificates of proofs: every obligation anew, by z3, by cvc5 and by its bit-level proof.
+"""Check certificates: of proofs, every obligation anew, by z3, by cvc5 and by its bit-level proof; of fault trees.
 
-No project is needed, and nothing of rightside is used but one file, `safety/prove/check.py`, which runs alone as well.
+No project is needed, and nothing of rightside is used but one file, `safety/prove/check.py` or, of a fault tree,
+`safety/trees/check_tree.py`, which run alone as well.
 A certificate may prove another claim than one thinks: --against compares it with the claim of its name in the project.
 Exit codes: 0 checked, 1 rejected, 2 not a certificate, 3 undecided, 4 weaker (a solver or a bit-level proof is
 missing), 6 the engines disagree; that of the worst file.
@@ -13,7 +14,7 @@ from argparse import ArgumentParser, Namespace
 from pathlib import Path
 from typing import Any
 
-from safety.commands import options, settings
+from safety.commands import CommandError, options, settings
 from safety.commands.output import probe, write_plain
 from safety.commands.table import table
 from safety.prove import check
@@ -22,6 +23,7 @@ from safety.system import nearest
 EXAMPLES = """
 rightside check reports/certificates/*.zip            every certificate
 rightside check brakes.zip --against                  and whether it is of the project's claim as it is now
+rightside check tree.json                             the certificate of a fault tree
 rightside check brakes.zip --timeout 300 --json -     with more time for each solver; the report as JSON
 """
 
@@ -38,7 +40,7 @@ def run(args: Namespace) -> int:
     """Carry out the verb."""
     if args.json:
         probe(Path(args.json))
-    reports = [check.examine(file, args.timeout or 60.0) for file in args.files]
+    reports = [_examined(file, args) for file in args.files]
     if args.against:
         _compare(reports, args)
     for report in reports:
@@ -46,6 +48,21 @@ def run(args: Namespace) -> int:
     if args.json:
         write_plain({"certificates": reports}, args.json)
     return check.EXIT[check.worst(report["verdict"] for report in reports)]
+
+
+def _examined(file: Path, args: Namespace) -> dict[str, Any]:
+    """The report on a file, by the checker of its kind: a certificate of a proof is a zip, that of a tree is JSON."""
+    try:
+        with file.open("rb") as opened:
+            if opened.read(1) != b"{":
+                return check.examine(file, args.timeout or 60.0)
+    except OSError:
+        return check.examine(file)
+    if args.against:
+        raise CommandError(f"--against is for claims of the project, and {file} is of a fault tree; leave it out")
+    from safety.trees import check_tree
+
+    return check_tree.examine(file)
 
 
 def _compare(reports: list[dict[str, Any]], args: Namespace) -> None:
@@ -88,6 +105,13 @@ def _told(report: dict[str, Any]) -> str:
         rows = [[one["verdict"], one["label"], one["z3"], one["cvc5"], _bits(one)] for one in report["obligations"]]
         shown = table(["verdict", "obligation", "z3", "cvc5", "bits"], rows) if rows else ""
         lines += [f"  {line}" for line in shown.splitlines()]
+    if "cut_sets_by_order" in report:
+        low, high = report["probability"] or (None, None)
+        lines += [
+            f"{report['name']}: fault tree, {sum(report['cut_sets_by_order'])} minimal cut sets",
+            "  no probability" if low is None else f"  probability between {low!r} and {high!r}",
+            *(f"  {part} sha256 {digest}" for part, digest in report["sha256"].items()),
+        ]
     return "\n".join(
         [*lines, f"{report['file']}: {report['verdict']}" + (f": {report['why']}" if report["why"] else "")]
     )

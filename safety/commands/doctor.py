@@ -20,7 +20,7 @@ from typing import NamedTuple
 from safety.commands import INPUT_ERROR, options
 from safety.commands.output import data, probe, write_plain
 from safety.commands.table import table
-from safety.commands.versions import ENGINES, version
+from safety.commands.versions import ENGINES, VERSION
 
 EXAMPLES = """
 rightside doctor             what there is, what is missing, and how to install it
@@ -55,7 +55,7 @@ def run(args: Namespace) -> int:
         probe(Path(args.json))
     needed = [*_owners(), *_packages()]
     python = Finding("python", sys.executable, platform.python_version())
-    found = [Finding("package", OURS, version()), python, *needed, *_engines(), *_programs()]
+    found = [Finding("package", OURS, VERSION), python, *needed, *_engines(), *_programs()]
     if args.json:
         write_plain({"schema": "rightside/doctor/1", "found": [line._asdict() for line in found]}, args.json)
     else:

@@ -7,7 +7,9 @@ import os
 from argparse import ArgumentParser
 from fractions import Fraction
 
-from safety.project import Value, exact
+TYPE_CHECKING = False  # typing itself is not needed to start
+if TYPE_CHECKING:
+    from safety.project import Value
 
 
 def add_json(parser: ArgumentParser) -> None:
@@ -90,6 +92,8 @@ def setting(text: str) -> tuple[str, Value]:
 
 def typed(text: str) -> Value:
     """true, false, a whole number (also 0x1f), or an exact fraction."""
+    from safety.project import exact
+
     words: dict[str, Value] = {"true": True, "false": False}
     if text.lower() in words:
         return words[text.lower()]

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import os
 import sys
-import tempfile
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -33,7 +32,7 @@ def write_json(document: Mapping[str, Any], target: str) -> None:
 
 def write_plain(document: Mapping[str, Any], target: str) -> None:
     """The same for a document of another shape (list, run)."""
-    from safety.report.results import write_text
+    from safety.report.files import write_text
 
     text = json.dumps(document, indent=1, ensure_ascii=False)
     if target == "-":
@@ -44,7 +43,7 @@ def write_plain(document: Mapping[str, Any], target: str) -> None:
 
 def write(path: Path, text: str) -> None:
     """Write a text file in one go."""
-    from safety.report.results import write_text
+    from safety.report.files import write_text
 
     write_text(path, text)
 
@@ -57,7 +56,8 @@ def probe(path: Path) -> None:
         if path.is_dir():
             raise IsADirectoryError(0, "it is a folder; give a file in it")
         path.parent.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryFile(dir=path.parent):
-            pass
+        trial = path.with_name(f".{path.name}.{os.getpid()}")
+        trial.touch(exist_ok=False)
+        trial.unlink()
     except OSError as error:
         raise CommandError(f"{path} cannot be written: {error.strerror}; give another place") from None

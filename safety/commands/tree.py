@@ -1,82 +1,88 @@
 """Find the cut sets of the hazards of proofs/, draw their fault trees and solve them; or solve tree files.
 
 Without FILE: every hazard, its cut sets straight from the model.  With FILE: Open-PSA MEF XML (trees and data may stand
-in several files) or the project's own JSON; no project is needed then.
+in several files), Aralia text, Galileo (.dft, dynamic gates too) or the project's own JSON; no project is needed then.
 """
 
 from __future__ import annotations
 
 import sys
-import time
 from argparse import ArgumentParser, Namespace
 from pathlib import Path
 
 from safety.commands import CommandError, options
-from safety.commands.output import data, probe, write, write_json
-from safety.commands.table import table
-from safety.report.assumed import assumed_set, mark, rests_on_assumed
-from safety.report.numbers import number
-from safety.report.schema import Entry
+from safety.commands.output import data, probe, write
+from safety.commands.tree_text import told
+
+TYPE_CHECKING = False  # typing itself is not needed to start
+if TYPE_CHECKING:
+    from safety.report.schema import Entry
 
 EXAMPLES = """
-rightside tree                                    all hazards
-rightside tree -k no_brake --svg no_brake.svg     one hazard, with its picture
-rightside tree permit.xml rates.xml --hours 8760  a tree with its data
-rightside tree permit.json --json -               all figures as JSON
+rightside tree                                            all hazards
+rightside tree -k no_brake --svg no_brake.svg             one hazard, with its picture
+rightside tree permit.xml rates.xml --hours 8760          a tree with its data
+rightside tree permit.json --json -                       all figures as JSON
+rightside tree permit.xml --uncertainty 10000 --lhs       what the distributions of its data make of the top event
+rightside tree permit.xml --hours 8760 --sil --curve 12   PFDavg, PFH, safety integrity level, and Q over the year
+rightside tree permit.xml --certificate permit.cert.json  for `rightside check`
+rightside tree permit.dft --export permit.xml             from one format into another
 """
-MEASURES = ("fussell_vesely", "birnbaum")
-LISTED = 20  # cut sets and events in the text; --json has more
+OF_FILES = {  # options that belong to tree files, with their values when not given
+    "top": None, "hours": None, "export": [], "certificate": None, "likeliest": False, "exact": False, "gates": False,
+    "uncertainty": None, "lhs": False, "seed": None, "sensitivity": False, "target": [], "curve": None, "sil": False,
+}  # fmt: skip
 
 
 def add_arguments(parser: ArgumentParser) -> None:
     """Options of the verb."""
     parser.add_argument("files", nargs="*", metavar="FILE", help="a fault tree, instead of the project's hazards")
-    parser.add_argument("--top", metavar="GATE", help="with FILE: the top gate, where the file leaves it open")
-    parser.add_argument("--hours", metavar="H", help="with FILE: mission time of rates without a time of their own")
     parser.add_argument("--svg", metavar="FILE", help="draw the tree (there has to be only one)")
+    group = parser.add_argument_group("with FILE")
+    group.add_argument("--top", metavar="GATE", help="the top gate, where the file leaves it open")
+    group.add_argument("--hours", metavar="H", help="mission time of rates without a time of their own")
+    group.add_argument("--likeliest", action="store_true", help="list the likeliest cut sets, not the smallest")
+    group.add_argument("--exact", action="store_true", help="the probability as a rational, however large the tree")
+    group.add_argument("--gates", action="store_true", help="importance of gates as well")
+    group.add_argument("--uncertainty", metavar="N", type=_samples, help="N samples of the data's distributions")
+    group.add_argument("--lhs", action="store_true", help="Latin hypercubes instead of independent samples")
+    group.add_argument("--seed", metavar="S", type=int, help="of the samples (default: 1)")
+    group.add_argument("--sensitivity", action="store_true", help="derivative by each parameter, and what ranges do")
+    group.add_argument(
+        "--target", metavar="NAME=P", action="append", default=[],
+        help="the value of a parameter or event at which the top has probability P; may be repeated",
+    )  # fmt: skip
+    group.add_argument("--curve", metavar="N", type=_samples, help="unavailability and frequency at N steps of the time")
+    group.add_argument("--sil", action="store_true", help="PFDavg, PFH, mean time to failure, safety integrity level")
+    group.add_argument("--export", metavar="FILE", action="append", default=[],
+                       help="write the tree as .xml, .json, .dag, .dft or .dot; may be repeated")  # fmt: skip
+    group.add_argument("--certificate", metavar="FILE", help="write what `rightside check` needs to check the result")
     options.add_selection(parser)
     options.add_work(parser)
 
 
 def run(args: Namespace) -> int:
     """Carry out the verb."""
-    if args.svg:
-        probe(Path(args.svg))
+    for path in (args.svg, args.certificate, *args.export):
+        if path:
+            probe(Path(path))
     if args.files:
-        return _files(args)
-    if args.top or args.hours:
-        raise CommandError("--top and --hours are for tree files; give a FILE")
-    from safety.commands.session import work
+        from safety.commands.tree_files import solve_files
 
-    session = work(args, "trees")
-    _show(args, session.results.get("trees", []))
-    return session.code
+        entries, code = solve_files(args)
+    else:
+        for name, default in OF_FILES.items():
+            if getattr(args, name) != default:
+                raise CommandError(f"--{name} is for tree files; give a FILE")
+        from safety.commands.session import work
 
-
-def _files(args: Namespace) -> int:
-    from safety.commands.versions import versions
-    from safety.report.results import empty, exit_code
-    from safety.trees import read, summary
-
-    if args.keyword or args.req or args.lf or args.settings:
-        raise CommandError("-k, --req, --lf and --set choose among a project's hazards; leave them out with a FILE")
-    if args.json:
-        probe(Path(args.json))
-    began = time.perf_counter()
-    tree = read(*args.files, top=args.top, mission_time_h=args.hours)
-    entry = summary(tree, source=", ".join(args.files), read_s=time.perf_counter() - began)
-    results = empty(**versions()) | {"trees": [entry]}
-    _show(args, [entry])
-    if args.json:
-        write_json(results, args.json)
-    return exit_code(results)
-
-
-def _show(args: Namespace, entries: list[Entry]) -> None:
+        session = work(args, "trees")
+        entries, code = session.results.get("trees", []), session.code
     if args.json != "-":
-        data("\n\n".join(_text(entry) for entry in entries if entry.get("structure")))
+        data("\n\n".join(told(entry) for entry in entries if "structure" in entry or "dynamic" in entry or "sequences" in entry))
     if args.svg:
         _draw(Path(args.svg), entries)
+    return code
 
 
 def _draw(path: Path, entries: list[Entry]) -> None:
@@ -91,62 +97,9 @@ def _draw(path: Path, entries: list[Entry]) -> None:
     print(f"picture of {entries[0]['id']}: {path}", file=sys.stderr)
 
 
-def _text(entry: Entry) -> str:
-    sets = entry["minimal_cut_sets"]
-    orders = ", ".join(f"{count} of order {order}" for order, count in sets["by_order"].items())
-    lines = [
-        f"{entry['id']}  {entry.get('statement') or entry.get('description') or ''}".rstrip(),
-        f"{entry['gates']} gates, {entry['basic_events']} basic events; {sets['count']} minimal cut sets"
-        + (f": {orders}" if orders else ""),
-    ]
-    if entry.get("completeness"):
-        confirmed, candidate = (sum(entry[name].values()) for name in ("confirmed", "candidate"))
-        lines.append(f"cut sets {entry['completeness']}; {confirmed} confirmed by a run, {candidate} candidates")
-        if entry.get("minimal_by"):
-            lines.append(f"no part of a cut set suffices: {', '.join(entry['minimal_by'])}")
-    lines.append(_probability(entry))
-    rows = [
-        [f"#{n}", " & ".join(one["events"]) or "(no fault needed)", _chance(entry, one), one.get("status", "")]
-        for n, one in enumerate(sets["sets"][:LISTED])
-    ]
-    if rows:
-        lines += [
-            "",
-            table(["cut set", "events", "probability", "status"], rows),
-            *_more(sets["count"] - len(rows), "cut sets"),
-        ]
-    on_assumed = mark(rests_on_assumed("trees", entry))
-    important = [
-        [row["event"], *(number(row.get(name)) + on_assumed for name in MEASURES), _tag(row.get("source"))]
-        for row in entry["importance"][:LISTED]
-        if row.get("birnbaum") is not None
-    ]
-    if important:
-        lines += ["", table(["event", "Fussell-Vesely", "Birnbaum", "source"], important)]
-        lines += _more(len(entry["importance"]) - len(important), "events")
-    return "\n".join(lines)
+def _samples(text: str) -> int:
+    if not text.isdecimal() or int(text) < 2:
+        from argparse import ArgumentTypeError
 
-
-def _chance(entry: Entry, one: Entry) -> str:
-    """Probability of a cut set, marked where it rests on an assumed event."""
-    known = one["probability"] is not None
-    return number(one["probability"]) + mark(known and assumed_set(entry, one["events"]))
-
-
-def _tag(source: str | None) -> str:
-    return f"[{source}]" if source else ""
-
-
-def _probability(entry: Entry) -> str:
-    value, low, high = (entry.get(name) for name in ("probability", "probability_low", "probability_high"))
-    if low is None and high is None:
-        return "probability unknown: not every event has one"
-    sign = mark(rests_on_assumed("trees", entry))
-    model = f"  ({entry['chance']}, {entry['hours']} h)" if entry.get("chance") else ""
-    if value is None:
-        return f"probability between {number(low)} and {number(high if high is not None else 1.0)}{sign}{model}"
-    return f"probability {number(value, 6)}{sign}, enclosed by {low!r} and {high!r}{model}"
-
-
-def _more(left: int, noun: str) -> list[str]:
-    return [f"and {left} more {noun}; --json lists them"] if left > 0 else []
+        raise ArgumentTypeError(f"{text!r}: give a whole number, 2 or more")
+    return int(text)

@@ -2,25 +2,19 @@
 
 from __future__ import annotations
 
-import platform
-from importlib import metadata
-
+VERSION = "0.1.0"  # the release; the build reads it here
 ENGINES = {"z3": "z3-solver", "cvc5": "cvc5", "flint": "python-flint", "numpy": "numpy"}
-
-
-def version() -> str:
-    """The release of rightside."""
-    return _of("rightside") or "not installed, run from its source"
 
 
 def versions() -> dict[str, str]:
     """Everything whose version may matter to a result."""
-    found = {name: _of(distribution) for name, distribution in ENGINES.items()}
-    return {"rightside": version(), "python": platform.python_version(), **{n: v for n, v in found.items() if v}}
+    import platform
+    from importlib import metadata
 
-
-def _of(distribution: str) -> str | None:
-    try:
-        return metadata.version(distribution)
-    except metadata.PackageNotFoundError:
-        return None
+    found = {"rightside": VERSION, "python": platform.python_version()}
+    for name, distribution in ENGINES.items():
+        try:
+            found[name] = metadata.version(distribution)
+        except metadata.PackageNotFoundError:
+            continue
+    return found

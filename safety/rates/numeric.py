@@ -133,7 +133,7 @@ def transient(chain: Chain, time: Rational, reward: Mapping[str, Rational] | Non
             f"{float(end):.3g} h); ask for the steady state, or for a shorter time"
         )
 
-    size, poisson = len(chain.states), _Poisson(fastest * end)
+    size, poisson = len(chain.states), Poisson(fastest * end)
     index = {s: i for i, s in enumerate(chain.states)}
     source = np.array([index[s] for s, _ in chain.rates] + list(range(size)))
     target = np.array([index[t] for _, t in chain.rates] + list(range(size)))
@@ -163,7 +163,7 @@ def transient(chain: Chain, time: Rational, reward: Mapping[str, Rational] | Non
     return Transient(probability, around(Fraction(earned) / fastest, unseen))
 
 
-class _Poisson:
+class Poisson:
     """Poisson weights of mean q for `first` to `last` events; the mass outside is below `outside`."""
 
     def __init__(self, q: Fraction) -> None:

@@ -1,11 +1,15 @@
-"""The report as one HTML file: no request leaves it, no script runs in it, and it reads the same on paper."""
+"""The report as one HTML file: no request leaves it, and it reads the same on paper and without its one script.
+
+The script unfolds fault trees; the page allows it by its hash and nothing else to run.
+"""
 
 from __future__ import annotations
 
+import base64
 import hashlib
 import re
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
@@ -24,11 +28,16 @@ from safety.report.schema import SECTIONS, Entry
 from safety.report.standing import WORDS, exit_code, judge, standing
 from safety.report.timing_svg import timing_svg
 from safety.report.trace import Trace
-from safety.report.tree_svg import tree_svg
+from safety.report.tree_layout import SIZES
+from safety.report.tree_shapes import STYLE
+from safety.report.tree_svg import tree_pages, tree_svg
 
 TEMPLATES = Path(__file__).parent / "templates"
+SCRIPT = (TEMPLATES / "trees.js").read_text(encoding="utf-8")
+STYLES = ("style.css", "timing.css", "trees.css")
 VERDICTS = ("proved", "bounded", "vacuous", "refuted", "undecided")
 CELLS = 12  # ticks in a table of changed cells
+TREE_PAGES = 30  # of a fault tree; its own file has all
 LISTED = 40  # cut sets and events of a tree; results.json may have more
 BOUNDS = "Bounds over reals"
 MEASURES = ("fussell_vesely", "birnbaum", "criticality", "risk_achievement_worth", "risk_reduction_worth")
@@ -86,9 +95,13 @@ def slugs(entries: Iterable[Entry]) -> list[str]:
 
 
 def picture(tree: Entry) -> str:
-    """A fault tree as SVG, empty without a structure; ResultsError when the structure is none."""
+    """A fault tree as one SVG, empty without a structure; ResultsError when the structure is none."""
+    return "".join(_drawn(tree, lambda: [tree_svg(tree)]))
+
+
+def _drawn(tree: Entry, draw: Callable[[], list[str]]) -> list[str]:
     try:
-        return tree_svg(tree)
+        return draw()
     except (AttributeError, KeyError, RecursionError, TypeError, ValueError) as bad:
         raise documents.ResultsError(f"trees ({tree['id']}): structure: cannot be drawn: {bad}") from None
 
@@ -139,7 +152,7 @@ def _environment(results: documents.Results) -> Environment:
         clock=_clock,
         status=_status,
         table=lambda counterexample: Trace(counterexample).table(CELLS),
-        style=Markup("\n".join((TEMPLATES / name).read_text(encoding="utf-8") for name in ("style.css", "timing.css"))),
+        style=Markup("\n".join((*((TEMPLATES / name).read_text(encoding="utf-8") for name in STYLES), STYLE))),
         timing=lambda claim, ident: Markup(
             timing_svg(claim["counterexample"], f"Counterexample to {claim['id']}", ident)
         ),
@@ -148,7 +161,12 @@ def _environment(results: documents.Results) -> Environment:
         interval=lambda *values, **options: Markup(interval_svg(*values, **options)),
         is_number=_is_number,
         plot=lambda exhibit, ident: Markup(plotted(exhibit, ident)),
-        tree_picture=lambda tree: Markup(picture(tree)),
+        tree_pages=lambda tree, ident: [
+            Markup(page) for page in _drawn(tree, lambda: tree_pages(tree, ident, style=False, most=TREE_PAGES))
+        ],
+        sizes=SIZES,
+        script=Markup(SCRIPT),
+        script_digest=base64.b64encode(hashlib.sha256(SCRIPT.encode()).digest()).decode(),
     )
     return environment
 

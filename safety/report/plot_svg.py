@@ -14,7 +14,7 @@ from safety.report.assumed import MARK
 from safety.report.numbers import number
 from safety.report.scales import scale_of
 from safety.report.svg import element, text
-from safety.report.tree_layout import text_width
+from safety.report.tree_text import text_width
 
 WIDTH, HEIGHT = 780, 400  # px: of the area between the axes
 LEFT, RIGHT, TOP, BELOW = 84, 26, 18, 58  # px around it

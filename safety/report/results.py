@@ -11,16 +11,14 @@ Results are plain dicts in the shape of `schema.Document`.
 from __future__ import annotations
 
 import json
-import math
-import os
 import re
-import tempfile
 from pathlib import Path
 from typing import Any, get_args
 
 import msgspec
 
 from safety.report import schema
+from safety.report.files import ResultsError, dumps, write_bytes, write_text
 from safety.report.numbers import clean
 from safety.report.schema import SCHEMA, SECTIONS, Entry
 from safety.report.standing import exit_code
@@ -50,12 +48,6 @@ VOLATILE = frozenset(
 )
 DIGITS = 12  # significant digits of a committed double: mathematical libraries differ in the last two or three
 _PLACE = re.compile(r" - at `\$(.*)`$")
-
-
-class ResultsError(ValueError):
-    """A results document that cannot be used; the message has the file, the place in it and what was expected there."""
-
-    exit_code = 2
 
 
 def empty(**tool: str) -> Results:
@@ -145,51 +137,9 @@ def _without_guesses(entry: dict[str, Any]) -> dict[str, Any]:
     return {**entry, "method": f"{means}, lemmas found by the tool", "lemmas": [], "found_lemmas": 1}
 
 
-def dumps(results: Results) -> str:
-    """Keys sorted, one item a line, but short lists of plain values on one line."""
-    try:
-        text = _text(results, "") + "\n"
-        text.encode()
-    except (TypeError, ValueError) as bad:
-        raise ResultsError(f"results: cannot be written as JSON: {bad}") from None
-    return text
-
-
 def save(results: Results, path: Path) -> None:
     """Validate and write, atomically."""
     write_text(path, dumps(validate(results, str(path))))
-
-
-def write_text(path: Path, text: str) -> None:
-    """Write a text file so that a reader sees the old text or the new one, never a part."""
-    write_bytes(path, text.encode("utf-8"))
-
-
-def write_bytes(path: Path, content: bytes) -> None:
-    """The same for any file; a pipe or a device cannot be replaced, only written.
-
-    Raises `OSError` with the name of the file, on a full disk too.
-    """
-    try:
-        _write(path, content)
-    except OSError as error:
-        raise OSError(error.errno, error.strerror, str(path)) from error
-
-
-def _write(path: Path, content: bytes) -> None:
-    if path.exists() and not path.is_file():
-        path.write_bytes(content)
-        return
-    path.parent.mkdir(parents=True, exist_ok=True)
-    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
-    try:
-        with open(handle, "wb") as file:
-            file.write(content)
-        os.chmod(temporary, 0o644)  # mkstemp gives 0600; a report is there to be read
-        os.replace(temporary, path)
-    except BaseException:
-        os.unlink(temporary)
-        raise
 
 
 def key(entry: Entry) -> tuple[str, str]:
@@ -203,22 +153,6 @@ def _settled(value: Any) -> Any:
     if isinstance(value, dict):
         return {name: _settled(item) for name, item in sorted(value.items())}
     return [_settled(item) for item in value] if isinstance(value, list | tuple) else value
-
-
-def _text(value: Any, indent: str) -> str:
-    deeper = indent + " "
-    if isinstance(value, dict) and value:
-        lines = (f"{deeper}{_plain(str(name))}: {_text(value[name], deeper)}" for name in sorted(value))
-        return "{\n" + ",\n".join(lines) + f"\n{indent}}}"
-    if isinstance(value, list | tuple) and any(isinstance(item, dict | list | tuple) for item in value):
-        return "[\n" + ",\n".join(deeper + _text(item, deeper) for item in value) + f"\n{indent}]"
-    return _plain(value)
-
-
-def _plain(value: Any) -> str:
-    if isinstance(value, float) and math.isinf(value) and value > 0:
-        return '"inf"'
-    return json.dumps(value, ensure_ascii=False, allow_nan=False)
 
 
 def _no_constant(word: str) -> None:

@@ -11,6 +11,7 @@ from __future__ import annotations
 from typing import Any, Literal, Required, TypedDict
 
 from safety.report.exhibit_schema import Exhibit
+from safety.report.tree_schema import EventTree, Tree
 from safety.report.value_schema import Bracket, Exact, Number, Seconds, Synthesis, Tag
 
 SCHEMA = "rightside/1"
@@ -245,66 +246,6 @@ class Campaign(TypedDict, total=False):
     error: str | None
 
 
-class Found(TypedDict, total=False):
-    """A cut set found on a model: confirmed by replay, or a candidate."""
-
-    faults: Required[list[str]]
-    status: Required[Literal["confirmed", "candidate"]]
-    steps: int | None
-
-
-class Importance(TypedDict, total=False):
-    """What one basic event does to the top event; further measures under their names."""
-
-    event: Required[str]
-    probability: Number
-    source: Tag
-
-
-class CutSet(TypedDict, total=False):
-    """Events that together cause the top event."""
-
-    events: Required[list[str]]
-    probability: Number
-    status: Literal["confirmed", "candidate"]  # replayed on the model, or not; absent where no model is behind the tree
-
-
-class CutSets(TypedDict, total=False):
-    """The minimal cut sets: all counted, the smallest listed."""
-
-    count: int | None
-    by_order: dict[str, int]
-    sets: list[CutSet]
-    not_listed: int
-
-
-class Tree(TypedDict, total=False):
-    """A fault tree, solved."""
-
-    id: Required[str]
-    source: str | None
-    gates: int | None
-    basic_events: int | None
-    probability: Number
-    probability_low: Number
-    probability_high: Number
-    target: Number
-    met: bool | None
-    minimal_cut_sets: CutSets | None
-    importance: list[Importance]
-    cut_sets: list[Found]  # as found on a model
-    minimal_by: list[str]  # solvers that show that no proper part of a set suffices
-    not_minimal: list[list[str]]  # sets of which a part may suffice
-    cached: bool  # of an earlier run, from which nothing has changed
-    complete_to_order: int | None  # of these
-    complete_at_all_orders: bool
-    faults_listed: int  # of the hazard: what "all orders" is about
-    structure: dict[str, Any]  # the tree itself, in the fault-tree format of safety.trees.json_form
-    as_expected: bool
-    seconds: Any
-    error: str | None
-
-
 class Rate(TypedDict, total=False):
     """A rate, a mean time or another reliability figure, against its target."""
 
@@ -385,6 +326,7 @@ class Document(TypedDict, total=False):
     syntheses: list[Synthesis]
     campaigns: list[Campaign]
     trees: list[Tree]
+    event_trees: list[EventTree]
     rates: list[Rate]
     figures: list[Figure]
     exhibits: list[Exhibit]

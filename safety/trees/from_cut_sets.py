@@ -1,33 +1,47 @@
-"""A fault tree drawn from minimal cut sets, with what they have in common shown once."""
+"""A fault tree drawn from minimal cut sets: parts that act as one, votes and common parts show as gates with a name.
+
+How the sets become a formula is said in `factoring`, how that is laid out in gates and what these are called in
+`drawing`.
+"""
 
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Collection, Iterable, Mapping, Sequence
-from dataclasses import replace
-from itertools import takewhile
-from math import comb
+from collections.abc import Collection, Iterable, Mapping
+from itertools import combinations, product
 
+from safety.trees.drawing import drawn
+from safety.trees.factoring import factored
+from safety.trees.solve import TooLarge, solve
 from safety.trees.tree import BasicEvent, FaultTree, Gate, HouseEvent, TreeError
 
 CutSet = frozenset[str]
-MANY = 8  # gates of one order; from here on they stand under a gate of their own
+BUDGETS = (20_000, 100_000)  # nodes of the diagram by which a tree is checked
+
+
+class NotGivenBack(RuntimeError):
+    """A tree does not have the cut sets that it was drawn from: an error of this program, and no tree is drawn."""
+
+    exit_code = 70
 
 
 def from_cut_sets(
-    name: str, cut_sets: Iterable[Collection[str]], events: Iterable[BasicEvent], *, description: str = ""
+    name: str,
+    cut_sets: Iterable[Collection[str]],
+    events: Iterable[BasicEvent],
+    *,
+    description: str = "",
+    titles: Mapping[str, str] | None = None,
 ) -> FaultTree:
     """The tree whose top event, the gate `name`, has exactly the minimal cut sets `cut_sets` over `events`.
 
-    Single events stand directly under the top, larger sets after them by order. Within an order, events that can
-    replace one another in every set become one "any of" gate, and sets that are all the k-subsets of such groups
-    become one vote, so that the three channels of a two-out-of-three system show as three channels, named by what their
-    events' dotted names share. The order of `events` fixes that of the tree.
+    That it has is found out by solving the tree before it is handed out. The tree depends on the sets and the order of
+    `events` alone. It has no more gates than there are cut sets of two and more events, and the top, but for those that
+    divide long lists. `titles` are better names of sub-systems than those in the events' names ("channel a" for the "a"
+    of "a: no clock"). No cut set at all makes a top event that cannot occur, an empty one a top event that always does
+    (a house event under the top).
 
-    No cut set at all makes a top event that cannot occur, an empty one a top event that always does (a house event
-    under the top).
-
-    Raises TreeError: a cut set with an undefined event, or one that contains another.
+    Raises TreeError: a cut set with an undefined event, or one that contains another. Raises NotGivenBack.
     """
     events = tuple(events)
     rank = {event.name: i for i, event in enumerate(events)}
@@ -36,17 +50,10 @@ def from_cut_sets(
     if not sets or frozenset() in sets:
         house = HouseEvent(f"{name}: {'no failure needed' if sets else 'no cut set'}", bool(sets))
         return FaultTree(name, name, (Gate(name, "or", (house.name,), description=description),), events, (house,))
-    drawing = _Drawing(name, rank)
-    inputs: list[str] = []
-    for order in sorted({len(cut_set) for cut_set in sets}):
-        inputs += drawing.of_order(order, [cut_set for cut_set in sets if len(cut_set) == order])
-    gates = drawing.gates
-    if len(inputs) == 1 and inputs[0] in gates:  # a top over one gate says no more than that gate
-        only = gates.pop(inputs[0])
-        top = Gate(name, only.kind, only.inputs, only.k, description)
-    else:
-        top = Gate(name, "or", tuple(inputs), description=description)
-    return FaultTree(name, name, (top, *gates.values()), events)
+    formula = factored(frozenset(rank[event] for event in one) for one in sets)
+    tree = FaultTree(name, name, drawn(name, formula, list(rank), description, titles), events)
+    _check_given_back(tree, sets)
+    return tree
 
 
 def _check(name: str, sets: Collection[CutSet], rank: Mapping[str, int]) -> None:
@@ -66,62 +73,31 @@ def _check(name: str, sets: Collection[CutSet], rank: Mapping[str, int]) -> None
             )
 
 
-class _Drawing:
-    """The gates made so far, by name; names and orders follow the rank of the events."""
+def _check_given_back(tree: FaultTree, sets: Collection[CutSet]) -> None:
+    """Raise NotGivenBack unless the tree has just these minimal cut sets, by solving it.
 
-    def __init__(self, top: str, rank: Mapping[str, int]) -> None:
-        self.rank = rank
-        self.taken = {top, *rank}
-        self.gates: dict[str, Gate] = {}
-        self.groups: dict[tuple[str, ...], str] = {}
+    Where its diagram is too large, the gates are multiplied out instead: sets of which none is in another, as those
+    given are, are then the minimal ones.
+    """
+    try:
+        solution = solve(tree, BUDGETS)
+        given_back = sum(solution.counts) == len(sets) and all(frozenset(one) in sets for one in solution.cut_sets())
+    except TooLarge:
+        given_back = _multiplied_out(tree) == sets
+    if not given_back:
+        raise NotGivenBack(
+            f'the tree drawn for "{tree.name}" has other minimal cut sets than the {len(sets)} that it was drawn from; '
+            "please report it with these sets"
+        )
 
-    def of_order(self, order: int, sets: Sequence[CutSet]) -> list[str]:
-        """The inputs of the top that stand for all of `sets`, which have `order` events each."""
-        if order == 1:
-            return sorted((event for cut_set in sets for event in cut_set), key=self.rank.__getitem__)
-        group_of = self._interchangeable(sets)
-        groups = sorted(set(group_of.values()), key=lambda group: self.rank[group[0]])
-        parts = {group: self._any_of(group) for group in groups}
-        combinations = {frozenset(group_of[event] for event in cut_set) for cut_set in sets}
-        if len(combinations) == comb(len(groups), order):
-            inputs = tuple(parts.values())
-            kind, k = ("and", None) if order == len(inputs) else ("vote", order)
-            name = f"all {order} together" if kind == "and" else f"any {order} of {len(inputs)} together"
-            return [self._add(name, Gate("", kind, inputs, k))]
-        place = {group: i for i, group in enumerate(groups)}
-        rows = sorted(sorted(place[group] for group in combination) for combination in combinations)
-        ands = []
-        for number, row in enumerate(rows, 1):
-            word = "cut set" if all(len(groups[i]) == 1 for i in row) else "combination"
-            ands.append(self._add(f"{word} {order}.{number}", Gate("", "and", tuple(parts[groups[i]] for i in row))))
-        return ands if len(ands) < MANY else [self._add(f"{order} failures together", Gate("", "or", tuple(ands)))]
 
-    def _interchangeable(self, sets: Sequence[CutSet]) -> dict[str, tuple[str, ...]]:
-        """For each event, those that occur in the same company, itself included: each may stand for any other."""
-        company: dict[str, set[CutSet]] = defaultdict(set)
-        for cut_set in sets:
-            for event in cut_set:
-                company[event].add(cut_set - {event})
-        alike: dict[frozenset[CutSet], list[str]] = defaultdict(list)
-        for event in sorted(company, key=self.rank.__getitem__):
-            alike[frozenset(company[event])].append(event)
-        return {event: tuple(group) for group in alike.values() for event in group}
-
-    def _any_of(self, group: tuple[str, ...]) -> str:
-        if len(group) == 1:
-            return group[0]
-        if group not in self.groups:
-            paths = [name.split(".")[:-1] for name in group]
-            shared = [parts[0] for parts in takewhile(lambda parts: len(set(parts)) == 1, zip(*paths, strict=False))]
-            name = f"any of {'.'.join(shared)}" if shared else f"any of group {len(self.groups) + 1}"
-            self.groups[group] = self._add(name, Gate("", "or", group))
-        return self.groups[group]
-
-    def _add(self, name: str, gate: Gate) -> str:
-        number, free = 1, name
-        while free in self.taken:
-            number += 1
-            free = f"{name} ({number})"
-        self.taken.add(free)
-        self.gates[free] = replace(gate, name=free)
-        return free
+def _multiplied_out(tree: FaultTree) -> set[CutSet]:
+    families: dict[str, set[CutSet]] = {event.name: {frozenset({event.name})} for event in tree.events}
+    for gate in tree.inputs_first:
+        count = {"or": 1, "vote": gate.k}.get(gate.kind, len(gate.inputs))
+        families[gate.name] = {
+            frozenset[str]().union(*pieces)
+            for chosen in combinations(gate.inputs, count or 1)
+            for pieces in product(*(families[name] for name in chosen))
+        }
+    return families[tree.top]

@@ -11,11 +11,14 @@ be no cut set at all, or stand for larger ones.
 from __future__ import annotations
 
 import math
+import re
+from collections import Counter
 from collections.abc import Iterable
 from dataclasses import replace
 from fractions import Fraction
-from typing import Any
+from typing import Any, get_type_hints
 
+from safety.model import Model
 from safety.prove.hazards import CONFIRMED, CutSets, Hazard
 from safety.prove.problem import build_problem
 from safety.prove.record import cut_set_entry
@@ -26,6 +29,8 @@ from safety.trees.summary import summary
 from safety.trees.tree import TAGS, BasicEvent, FaultTree, exact
 
 NARROW = 1000  # a probability is given as one number where its bounds are closer than this part of it
+SHORT = 2  # letters; a part's longer name says itself what it is
+WORDS = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|[0-9]+")  # of the name of a class
 CHANCE = "Q = 1 - exp(-rate x hours), faults independent"
 
 
@@ -41,7 +46,8 @@ def tree_from_model(found: CutSets, hazard: Hazard) -> FaultTree:
     used = {name for one in found.sets for name in one.faults}
     events = [_event(name, hazard) for name in names if name in used]
     sets = [one.faults for one in found.sets]
-    return from_cut_sets(hazard.id, sets, events, description=hazard.claim.statement)
+    titles = _titles(hazard.claim.model)
+    return from_cut_sets(hazard.id, sets, events, description=hazard.claim.statement, titles=titles)
 
 
 def tree_entry(found: CutSets, hazard: Hazard, seconds: float | None = None) -> dict[str, Any]:
@@ -91,6 +97,17 @@ def beyond(rates: Iterable[Fraction], order: int) -> Fraction:
         for k in range(order, 0, -1):
             sums[k] += sums[k - 1] * expected
     return min(sums[order], Fraction(1))
+
+
+def _titles(model: type[Model]) -> dict[str, str]:
+    """What the short names of like parts stand for: "channel a" for the part a of the class Channel."""
+    kinds = {name: kind for name, kind in get_type_hints(model).items() if isinstance(kind, type)}
+    alike = Counter(kinds.values())
+    return {
+        name: f"{' '.join(WORDS.findall(kind.__name__)).lower()} {name}"
+        for name, kind in kinds.items()
+        if issubclass(kind, Model) and alike[kind] > 1 and len(name) <= SHORT
+    }
 
 
 def _event(name: str, hazard: Hazard) -> BasicEvent:

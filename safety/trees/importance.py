@@ -21,11 +21,12 @@ factors and their computation.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Generic
+from fractions import Fraction
+from typing import Generic, TypeVar
 
-from safety.trees.bdd import Bdd, Chance, Number
+Number = TypeVar("Number", float, Fraction)
+
 
 
 @dataclass(frozen=True)
@@ -58,64 +59,3 @@ def measures(event: str, q: Number, top: Number, with_event: Number, without_eve
         risk_achievement_worth=with_event / top,
         risk_reduction_worth=top / without_event if without_event else math.inf,
     )
-
-
-def conditionals(
-    bdd: Bdd,
-    root: int,
-    variables: Sequence[Chance[Number]],
-    chances: dict[int, Chance[Number]],
-    zero: Number,
-    one: Number,
-) -> list[tuple[Number, Number]]:
-    """For each variable by level, the probability of `root` when the variable is true, and when it is false.
-
-    `chances` is what `Bdd.chances` gave for the same arguments. Sums of products only: an outcome that cannot happen
-    comes out as zero itself, never as a rounding error, which is what makes an infinite risk reduction worth visible.
-    """
-    when_true, when_false = [zero] * bdd.levels, [zero] * bdd.levels
-    skipping: _RangeSums[Number] = _RangeSums(
-        bdd.levels, zero
-    )  # per level, probability of the true paths that have no node there
-    skipping.add(0, bdd.level[root], chances[root][0])
-    reach = {root: one}
-    for node in reversed(bdd.below(root)):
-        level, arrives = bdd.level[node], reach[node]
-        for child, taken, total in zip(
-            (bdd.high[node], bdd.low[node]), variables[level], (when_true, when_false), strict=True
-        ):
-            truth = chances[child][0]
-            total[level] += arrives * truth
-            reach[child] = reach.get(child, zero) + arrives * taken
-            skipping.add(level + 1, bdd.level[child], arrives * taken * truth)
-    skipped = [skipping.at(level) for level in range(bdd.levels)]
-    return [(t + s, f + s) for t, f, s in zip(when_true, when_false, skipped, strict=True)]
-
-
-class _RangeSums(Generic[Number]):
-    """Numbers by index, added to whole ranges at a time (a segment tree: no subtraction, so no cancellation)."""
-
-    def __init__(self, size: int, zero: Number) -> None:
-        self.size = size
-        self.zero: Number = zero
-        self.sums: list[Number] = [zero] * (2 * size)
-
-    def add(self, start: int, stop: int, value: Number) -> None:
-        """Add `value` at each index of range(start, stop)."""
-        start, stop = start + self.size, stop + self.size
-        while start < stop:
-            if start & 1:
-                self.sums[start] += value
-                start += 1
-            if stop & 1:
-                stop -= 1
-                self.sums[stop] += value
-            start, stop = start >> 1, stop >> 1
-
-    def at(self, index: int) -> Number:
-        """The sum of all that was added at `index`."""
-        total, index = self.zero, index + self.size
-        while index:
-            total += self.sums[index]
-            index >>= 1
-        return total

@@ -7,6 +7,9 @@ One object. Numbers are decimals or "p/q" strings and are kept exactly; an absen
      "basic_events": [{"name": "A", "probability": "1/1000", "description": "...", "source": "P"},
                       {"name": "B", "rate_per_hour": "1e-6", "mission_time_h": "10", "source": "A"}],
      "house_events": [{"name": "C", "state": true}]}
+
+A basic event may have an "expression" in place of numbers; gates and events may have "attributes", an object of texts.
+What a Study holds beside its gates and events, and the form of expressions, is in `json_study`.
 """
 
 from __future__ import annotations
@@ -15,15 +18,19 @@ import json
 import re
 from collections.abc import Iterator, Sequence
 from fractions import Fraction
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from safety.trees.draft import Draft, at
 from safety.trees.tree import BasicEvent, FaultTree, Gate, HouseEvent, Node, TreeError, exact
+
+if TYPE_CHECKING:
+    from safety.trees.study import Study
 
 FORMAT = "rightside/fault-tree/1"
 NUMBER = (str, int)  # numbers with a point arrive as their text, so that nothing is rounded
 QUANTITIES = {"probability": NUMBER, "rate_per_hour": NUMBER, "mission_time_h": NUMBER}
 TEXTS = {"name": str, "description": str}
+NODE = TEXTS | {"attributes": dict}
 Keys = dict[str, Any]  # the types each key may have
 DOCUMENT: Keys = TEXTS | {
     "format": str,
@@ -32,35 +39,65 @@ DOCUMENT: Keys = TEXTS | {
     "gates": list,
     "basic_events": list,
     "house_events": list,
+    "parameters": list,
+    "tops": list,
+    "tree_names": dict,
+    "ccf_groups": list,
+    "substitutions": list,
+    "alignments": list,
+    "initiating_events": list,
+    "event_trees": list,
 }
+TIMES = ("description", "mission_time_h")
+STUDY = tuple(DOCUMENT)[-8:]  # the keys of a Study only
 ENTRIES: dict[str, tuple[type[Gate | BasicEvent | HouseEvent], Keys]] = {
-    "gates": (Gate, TEXTS | {"kind": str, "k": int, "inputs": list, "inside": str}),
-    "basic_events": (BasicEvent, TEXTS | QUANTITIES | {"source": str}),
-    "house_events": (HouseEvent, TEXTS | {"state": bool}),
+    "gates": (Gate, NODE | {"kind": str, "k": int, "inputs": list, "inside": str}),
+    "basic_events": (BasicEvent, NODE | QUANTITIES | {"source": str, "expression": (*NUMBER, dict)}),
+    "house_events": (HouseEvent, NODE | {"state": bool}),
 }
 REQUIRED = {"gates": ("name", "kind", "inputs"), "basic_events": ("name",), "house_events": ("name", "state")}
 
 
-def to_document(tree: FaultTree) -> dict[str, Any]:
-    """`tree` as the JSON object above, ready for json.dumps, numbers as exact text; `read_json` takes it back."""
-    head = {"format": FORMAT} | _written(tree, ("name", "top", "description", "mission_time_h"))
+def to_document(tree: FaultTree | Study) -> dict[str, Any]:
+    """`tree`, or a whole study, as the JSON object above, ready for json.dumps, numbers as exact text;
+
+    `read_json` takes it back.
+    """
+    keys = ("name", "top", "description", "mission_time_h") if isinstance(tree, FaultTree) else ("name", *TIMES)
+    head = {"format": FORMAT} | _written(tree, keys)
     lists: dict[str, Sequence[Node]] = {
         "gates": tree.gates,
         "basic_events": tree.events,
         "house_events": tree.house_events,
     }
-    return head | {
+    sections = {
         section: [_written(node, tuple(ENTRIES[section][1])) for node in nodes] for section, nodes in lists.items()
     }
+    expressions = [event.expression for event in tree.events if event.expression is not None]
+    if isinstance(tree, FaultTree) and not expressions:
+        return head | sections
+    from safety.trees import json_study
+
+    if isinstance(tree, FaultTree):
+        parts = {"parameters": json_study.parameters_to_json(expressions)}
+    else:
+        parts = {"parameters": json_study.parameters_to_json(tree.parameters.values())}
+        parts |= {key: json_study.to_json(getattr(tree, key)) for key in STUDY[1:]}
+    return head | sections | {key: part for key, part in parts.items() if part}
 
 
-def _written(node: Node | FaultTree, keys: tuple[str, ...]) -> dict[str, Any]:
-    values = {key: getattr(node, key) for key in keys}
-    return {
-        key: str(value) if isinstance(value, Fraction) else list(value) if isinstance(value, tuple) else value
-        for key, value in values.items()
-        if value not in (None, "")
-    }
+def _written(node: Node | FaultTree | Study, keys: tuple[str, ...]) -> dict[str, Any]:
+    return {key: _value(key, value) for key in keys if (value := getattr(node, key)) not in (None, "", ())}
+
+
+def _value(key: str, value: Any) -> Any:
+    if key == "expression":
+        from safety.trees.json_study import expression_to_json
+
+        return expression_to_json(value)
+    if isinstance(value, tuple):
+        return dict(value) if key == "attributes" else list(value)
+    return str(value) if isinstance(value, Fraction) else value
 
 
 def read_json(text: bytes, file: str, mission_time_h: Fraction | None = None) -> Draft:
@@ -79,20 +116,37 @@ def read_json(text: bytes, file: str, mission_time_h: Fraction | None = None) ->
 
     places = {name: f"{file}:{line}" for name, line in _names_by_line(content)}
     with at(f"{file}:1"):
-        _check(document, "the document", DOCUMENT, ("format", "name", "top", "gates"))
+        study = isinstance(document, dict) and any(key in document for key in STUDY[1:])
+        _check(document, "the document", DOCUMENT, ("format",) if study else ("format", "name", "top", "gates"))
         if document["format"] != FORMAT:
             raise TreeError(f'the format is "{document["format"]}", expected "{FORMAT}"; convert the file')
         time = mission_time_h
         if time is None and "mission_time_h" in document:
             time = exact(document["mission_time_h"], "mission_time_h")
-    draft = Draft(file, document["name"], document["top"], document.get("description", ""), time)
+    draft = Draft(file, document.get("name", ""), document.get("top", ""), document.get("description", ""), time)
+    expression = None
+    if any(key in document for key in STUDY) or any(_has_expression(one) for one in document.get("basic_events", [])):
+        from safety.trees.json_study import Parts
+
+        with at(f"{file}:1"):
+            parts = Parts(document, f"{file}:1")
+        draft.parts, expression = parts.found, parts.expression
+        draft.tops, draft.tree_names = draft.parts.pop("tops", ()), draft.parts.pop("tree_names", {})
     for section, (node, keys) in ENTRIES.items():
         for number, entry in enumerate(document.get(section, []), 1):
             where = places.get(str(entry.get("name")), file) if isinstance(entry, dict) else file
             with at(where):
                 _check(entry, f"entry {number} of {section}", keys, REQUIRED[section])
+                if "attributes" in entry:
+                    entry["attributes"] = tuple(entry["attributes"].items())
+                if "expression" in entry and expression is not None:
+                    entry["expression"] = expression(entry["expression"])
                 draft.add(node(**entry), where)
     return draft
+
+
+def _has_expression(entry: object) -> bool:
+    return isinstance(entry, dict) and "expression" in entry
 
 
 def _names_by_line(content: str) -> Iterator[tuple[str, int]]:
@@ -118,5 +172,6 @@ def _check(entry: object, what: str, keys: Keys, required: tuple[str, ...]) -> N
                 kind.__name__ for kind in (keys[key] if isinstance(keys[key], tuple) else (keys[key],))
             )
             raise TreeError(f'"{key}" of {what} is {json.dumps(value)[:40]}, expected {expected}; correct it')
-        if key == "inputs" and not all(isinstance(name, str) for name in value):
-            raise TreeError(f'"inputs" of {what} holds something else than names; list names only')
+        texts = {"inputs": value, "tops": value, "attributes": value.values() if isinstance(value, dict) else ()}
+        if not all(isinstance(text, str) for text in texts.get(key, ())):
+            raise TreeError(f'"{key}" of {what} holds something else than texts; give texts only')

@@ -2,21 +2,26 @@
 
 from __future__ import annotations
 
+import itertools
+import math
+from array import array
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
-from typing import Generic
+from typing import Any, NamedTuple, TypeVar
 
-from safety.trees.bdd import FALSE, TRUE, Bdd, Chance, Number, OutOfBudget, recursion_of
-from safety.trees.cut_sets import Counts, CutSets, Family, smallest_first
-from safety.trees.importance import Importance, conditionals, measures
-from safety.trees.modules import Module, find_modules
-from safety.trees.orders import candidate_orders
-from safety.trees.tree import FaultTree
+from safety.trees import kernel
+from safety.trees.flatten import flatten
+from safety.trees.importance import Importance, measures
+from safety.trees.kernel.flat import FlatGraph
+from safety.trees.listing import Families
+from safety.trees.recursion import recursion_of
+from safety.trees.tree import HALF_ULP, FaultTree, TreeError
 
-BUDGETS = (5_000, 50_000, 500_000)  # nodes; every order is tried with each before the next
-HALF_ULP = 2.0**-53  # the largest relative error of one rounding
+BUDGETS = (20_000, 200_000, 2_000_000, 20_000_000)  # nodes; every order is tried with each before the next
+FAMILY_BUDGET = 40_000_000  # nodes of the diagram of cut sets
+CHUNK = 2048  # samples evaluated at once, a multiple of the kernel's block
+T = TypeVar("T", bound=Any)  # a number of any arithmetic
 
 
 class TooLarge(RuntimeError):
@@ -25,13 +30,12 @@ class TooLarge(RuntimeError):
     exit_code = 3
 
 
-@dataclass(frozen=True)
-class Diagram:
-    """The function of one module: `root` in `bdd`, whose levels are `order`."""
+class Part(NamedTuple):
+    """One module: its number, the numbers of its variables by level (events, inner modules), and its diagram."""
 
-    bdd: Bdd
-    order: tuple[str, ...]
-    root: int
+    number: int
+    order: Sequence[int]
+    diagram: Any
 
 
 class Solution:
@@ -40,174 +44,304 @@ class Solution:
     Figures are computed when first asked for, and kept.
     """
 
-    def __init__(self, tree: FaultTree, diagrams: Mapping[str, Diagram]) -> None:
+    def __init__(self, tree: FaultTree, graph: FlatGraph, parts: Sequence[Part], interpreted: bool = False) -> None:
         self.tree = tree
-        self._diagrams = diagrams  # by the gate of the module, inner ones first, the top last
+        self.events = tuple(event.name for event in tree.events)
+        self.parts = parts  # inner modules first, the top last; event number i is events[i - 1]
+        self.graph = graph  # as simplified
+        self._numbers = max(graph.variables + len(graph), parts[-1].number) + 1
+        self._interpreted = interpreted
 
     @cached_property
     def nodes(self) -> int:
         """Size of the diagrams: the number of decision nodes of all modules."""
-        return sum(len(d.bdd.below(d.root)) for d in self._diagrams.values())
+        return sum(part.diagram.nodes - 1 for part in self.parts)
 
     @cached_property
     def probability(self) -> float | None:
         """Probability of the top event in doubles (see `bounds`); None if an event below the top has none."""
-        return None if self._doubles is None else self._doubles[self.tree.top].top[0]
+        return None if self._chances is None else self._chances.occurs[self.parts[-1].number]
 
     @cached_property
     def exact(self) -> Fraction | None:
         """The same as a rational; None unless all events below the top have one. Slow on large diagrams (`nodes`)."""
-        return None if self._rationals is None else self._rationals[self.tree.top].top[0]
+        return self._exact.probability
 
     @property
     def bounds(self) -> tuple[float, float] | None:
         """Doubles that enclose the probability, whatever the rounding in `probability` (not below 1e-300).
 
         Nothing is subtracted, so relative errors add up along a path: per level half an ulp for the product, half for
-        the sum, and the error of the chance, at most 3 half ulps for 1 - exp(-x) and 3 + x for exp(-x) with a math
-        library good to 1 ulp.
+        the sum, and the error of the event's own chance.
         """
         if self.probability is None:
             return None
-        largest = max(
-            (
-                float(e.rate_per_hour * e.mission_time_h)
-                for e in self.tree.events
-                if e.rate_per_hour and e.mission_time_h
-            ),
-            default=0,
-        )
-        levels = sum(len(diagram.order) for diagram in self._diagrams.values())
-        error = 1.01 * HALF_ULP * levels * (5 + largest)
-        return self.probability * (1 - error), min(1.0, self.probability * (1 + error))
+        worst = max((self.tree.events[i - 1].chance_error for i in self._below), default=0.0)
+        levels = sum(len(part.order) for part in self.parts)
+        error = 1.01 * levels * (2 * HALF_ULP + worst)
+        return max(0.0, self.probability * (1 - error)), min(1.0, self.probability * (1 + error))
+
+    @property
+    def _below(self) -> list[int]:
+        """The numbers of the events that the diagrams ask for."""
+        return [number for part in self.parts for number in part.order if number <= len(self.events)]
 
     @cached_property
-    def counts(self) -> Counts:
+    def counts(self) -> tuple[int, ...]:
         """The number of minimal cut sets with 0, 1, 2, ... events.
 
-        (1,) is a top event that needs none, () one that cannot occur.
+        (1,) is a top event that needs none, () one that cannot occur. Raises TooLarge.
         """
-        family = self._families[self.tree.top]
-        return family.counts[family.sets.root]
+        return self._families.counts()
 
     def cut_sets(self) -> Iterator[tuple[str, ...]]:
         """The minimal cut sets by increasing order, made one by one; within an order, as the diagram has them.
 
-        Names within a set are sorted.
+        Names within a set are sorted. Raises TooLarge.
         """
-        return smallest_first(self._families, self.tree.top)
+        for one in self._families.smallest_first():
+            yield tuple(sorted([self.events[number - 1] for number in one]))
+
+    def likeliest_cut_sets(self) -> Iterator[tuple[float, tuple[str, ...]]]:
+        """The minimal cut sets by decreasing product of the probabilities of their events, each with that product.
+
+        Those with an event of probability 0 are left out; none without probabilities. Raises TooLarge.
+        """
+        if self._chances is not None:
+            chance = {number: self._chances.occurs[number] for part in self.parts for number in part.order}
+            for product, one in self._families.likeliest_first(chance):
+                yield product, tuple(sorted([self.events[number - 1] for number in one]))
 
     def importance(self) -> dict[str, Importance[float]]:
         """Importance of each basic event with a probability, in doubles; empty if `probability` is None."""
-        events = {event.name: event.chance for event in self.tree.events}
-        return {} if self._doubles is None else self._importance(self._doubles, events, 0.0, 1.0)
+        if self._chances is None:
+            return {}
+        top, occurs = self._chances.occurs[self.parts[-1].number], self._chances.occurs
+        given = self._conditionals()
+        return {
+            event.name: measures(event.name, occurs[i], top, *given.get(i, (top, top)))
+            for i, event in enumerate(self.tree.events, 1)
+            if not math.isnan(occurs[i])
+        }
 
     def exact_importance(self) -> dict[str, Importance[Fraction]]:
         """The same in rational arithmetic; empty if `exact` is None."""
-        events = {event.name: event.exact_chance for event in self.tree.events}
-        return {} if self._rationals is None else self._importance(self._rationals, events, Fraction(0), Fraction(1))
+        return self._exact.importance()
 
-    @cached_property
-    def _families(self) -> dict[str, Family]:
-        families: dict[str, Family] = {}
-        for name, diagram in self._diagrams.items():
-            with recursion_of(diagram.bdd.levels):
-                sets = CutSets(diagram.bdd, diagram.root)
-            weights = [families[v].counts[families[v].sets.root] if v in families else (0, 1) for v in diagram.order]
-            families[name] = Family(sets, diagram.order, sets.counts(weights))
-        return families
+    def evaluate(self, chances: Mapping[str, tuple[T, T]], zero: T, one: T) -> tuple[T, T]:
+        """The chance of the top and of its opposite in any arithmetic, from those of each event; nothing is subtracted."""
+        value = {i: chances[name] for i, name in enumerate(self.events, 1) if name in chances}
+        for part in self.parts:
+            diagram, edge = part.diagram, [one, zero]
+            level, high, low = list(diagram.level), list(diagram.high), list(diagram.low)
+            for i in range(1, diagram.nodes):
+                yes, no = value[part.order[level[i]]]
+                for side in (0, 1):
+                    edge.append(yes * edge[high[i] ^ side] + no * edge[low[i] ^ side])
+            value[part.number] = edge[diagram.root], edge[diagram.root ^ 1]
+        return value[self.parts[-1].number]
 
-    @cached_property
-    def _doubles(self) -> dict[str, _Chances[float]] | None:
-        return self._evaluate({event.name: event.chance for event in self.tree.events}, 0.0, 1.0)
+    def many(self, columns: Any) -> array[float]:
+        """The probability of the top for each of n samples of the events' probabilities.
 
-    @cached_property
-    def _rationals(self) -> dict[str, _Chances[Fraction]] | None:
-        return self._evaluate({event.name: event.exact_chance for event in self.tree.events}, Fraction(0), Fraction(1))
-
-    def _evaluate(
-        self, events: Mapping[str, Chance[Number] | None], zero: Number, one: Number
-    ) -> dict[str, _Chances[Number]] | None:
-        """The chances of every node of every diagram; None if the chance of an event below the top is not known."""
-        result: dict[str, _Chances[Number]] = {}
-        for name, diagram in self._diagrams.items():
-            variables: list[Chance[Number]] = []
-            for variable in diagram.order:
-                chance = result[variable].top if variable in result else events[variable]
-                if chance is None:
-                    return None
-                variables.append(chance)
-            nodes = diagram.bdd.chances(diagram.root, variables, zero, one)
-            result[name] = _Chances(variables, nodes, nodes[diagram.root])
+        `columns` is a C-contiguous buffer of doubles of shape (number of events, n), rows as in `events`. Raises
+        TreeError for a value outside 0..1 or a size that does not fit.
+        """
+        result = array("d")
+        for chunk in self._chunks(columns):
+            row = 2 * chunk.width * self.parts[-1].number
+            result.extend(chunk.chance[row : row + chunk.count])
         return result
 
-    def _importance(
-        self,
-        chances: Mapping[str, _Chances[Number]],
-        events: Mapping[str, Chance[Number] | None],
-        zero: Number,
-        one: Number,
-    ) -> dict[str, Importance[Number]]:
-        """P1 and P0 of a module's variables from those of the module itself, the top first."""
-        top = chances[self.tree.top].top[0]
-        given: dict[str, tuple[Number, Number]] = {self.tree.top: (one, zero)}
-        for name, diagram in reversed(list(self._diagrams.items())):
-            outer_true, outer_false = given.get(name, (top, top))
-            own = chances[name]
-            pairs = conditionals(diagram.bdd, diagram.root, own.variables, own.nodes, zero, one)
-            for variable, inner in zip(diagram.order, pairs, strict=True):
-                when_true, when_false = (p * outer_true + (one - p) * outer_false for p in inner)
-                given[variable] = when_true, when_false
-        return {
-            name: measures(name, chance[0], top, *given.get(name, (top, top)))
-            for name, chance in events.items()
-            if chance is not None
-        }
+    def many_derivatives(self, columns: Any) -> array[float]:
+        """The derivative of the top by the probability of each event, for each sample: shape (number of events, n)."""
+        total = len(_doubles(columns)) // max(1, len(self.events))
+        result = array("d", bytes(8 * total * len(self.events)))
+        for chunk in self._chunks(columns):
+            width = chunk.width
+            slope = array("d", bytes(8 * width * self._numbers))
+            top = self.parts[-1].number
+            slope[width * top : width * (top + 1)] = array("d", [1.0]) * width
+            for part, rows in zip(reversed(self.parts), reversed(self._rows), strict=True):
+                part.diagram.slopes(rows, chunk.chance, width, part.number, slope)
+            for i in range(len(self.events)):
+                first = width * (i + 1)
+                result[i * total + chunk.first : i * total + chunk.first + chunk.count] = slope[
+                    first : first + chunk.count
+                ]
+        return result
+
+    @cached_property
+    def _rows(self) -> list[array[int]]:
+        return [array("i", part.order) for part in self.parts]
+
+    def _chunks(self, columns: Any) -> Iterator[_Chunk]:
+        """The probabilities of all modules, so many samples at a time."""
+        diagram, values = kernel.load("diagram", self._interpreted), _doubles(columns)
+        total, left = divmod(len(values), max(1, len(self.events)))
+        if left:
+            raise TreeError(
+                f"{len(values)} probabilities were given for samples of {len(self.events)} events; give as many of each"
+            )
+        block = diagram.block()
+        events = array("i", range(1, len(self.events) + 1))
+        for first in range(0, total, CHUNK):
+            count = min(CHUNK, total - first)
+            width = -(-count // block) * block
+            chance = array("d", bytes(16 * width * self._numbers))
+            wrong = diagram.load(values, total, first, count, width, events, chance)
+            if wrong:
+                event, sample = wrong
+                raise TreeError(
+                    f'sample {sample} gives basic event "{self.events[event]}" the probability '
+                    f"{values[event * total + sample]}, expected 0 to 1; correct its distribution",
+                    self.events[event],
+                )
+            for part, rows in zip(self.parts, self._rows, strict=True):
+                part.diagram.many(rows, chance, width, part.number)
+            yield _Chunk(first, count, width, chance)
+
+    @cached_property
+    def _chances(self) -> _Chances | None:
+        """Of events and modules by number, and of the edges of each diagram; None where an event below has none."""
+        occurs = array("d", [math.nan]) * self._numbers
+        fails = array("d", occurs)
+        for i, event in enumerate(self.tree.events, 1):
+            chance = event.chance
+            if chance is not None:
+                occurs[i], fails[i] = chance
+        edges = []
+        for part in self.parts:
+            levels = [array("d", [row[number] for number in part.order]) for row in (occurs, fails)]
+            edge = array("d", bytes(16 * part.diagram.nodes))
+            part.diagram.chances(*levels, edge)
+            if math.isnan(sum(levels[0])):
+                return None
+            occurs[part.number], fails[part.number] = edge[part.diagram.root], edge[part.diagram.root ^ 1]
+            edges.append((*levels, edge))
+        return _Chances(occurs, fails, edges)
+
+    def _conditionals(self) -> dict[int, tuple[float, float]]:
+        """The chance of the top when an event (or module) is true, and when it is false: from the top module inwards."""
+        assert self._chances is not None
+        given: dict[int, tuple[float, float]] = {self.parts[-1].number: (1.0, 0.0)}
+        for part, (occurs, fails, edge) in zip(reversed(self.parts), reversed(self._chances.edges), strict=True):
+            outer_true, outer_false = given[part.number]
+            when_true, when_false = (array("d", bytes(8 * len(part.order))) for _ in range(2))
+            part.diagram.conditionals(occurs, fails, edge, when_true, when_false)
+            for number, t, f in zip(part.order, when_true, when_false, strict=True):
+                given[number] = t * outer_true + (1 - t) * outer_false, f * outer_true + (1 - f) * outer_false
+        return given
+
+    @cached_property
+    def _families(self) -> Families:
+        families, members = kernel.load("families", self._interpreted), {}
+        for part in self.parts:
+            diagram = part.diagram
+            with recursion_of(len(part.order)):
+                family = families.Family(diagram.level, diagram.high, diagram.low, diagram.root, FAMILY_BUDGET)
+            if family.full:
+                raise TooLarge(
+                    f'fault tree "{self.tree.name}": the diagram of its minimal cut sets needs more than '
+                    f"{FAMILY_BUDGET} nodes; ask for those up to an order or above a probability"
+                )
+            members[part.number] = (family, part.order)
+        return Families(members, self.parts[-1].number)
+
+    @cached_property
+    def _exact(self) -> Any:
+        from safety.trees.exact import Exact
+
+        return Exact(self.tree, self.parts)
 
 
-@dataclass(frozen=True)
-class _Chances(Generic[Number]):
-    """The chances of a module's variables, of its diagram's nodes, and of its function."""
-
-    variables: list[Chance[Number]]
-    nodes: dict[int, Chance[Number]]
-    top: Chance[Number]
+class _Chances(NamedTuple):
+    occurs: array[float]
+    fails: array[float]
+    edges: list[tuple[array[float], array[float], array[float]]]
 
 
-def solve(tree: FaultTree, budgets: Sequence[int] = BUDGETS) -> Solution:
-    """Build the diagrams of `tree`.
+class _Chunk(NamedTuple):
+    first: int
+    count: int
+    width: int
+    chance: array[float]
+
+
+def _doubles(columns: Any) -> memoryview:
+    """The values of a buffer of doubles in one row."""
+    view = memoryview(columns)
+    if view.format != "d" or not view.c_contiguous:
+        raise TreeError("samples are no C-contiguous buffer of doubles; pass numpy.ascontiguousarray(x, float)")
+    return view.cast("B").cast("d")
+
+
+def solve(tree: FaultTree, budgets: Sequence[int] = BUDGETS, *, interpreted: bool = False) -> Solution:
+    """Build the diagrams of `tree`; `interpreted` runs the kernel without its compiled form.
 
     Raises TooLarge when a module fits into none of the `budgets` (nodes) under any order tried.
     """
-    diagrams: dict[str, Diagram] = {}
-    constants = {house.name: TRUE if house.state else FALSE for house in tree.house_events}
-    for module in find_modules(tree):
-        diagram = _smallest(tree, module, constants, budgets)
-        diagrams[module.top] = diagram
-        if diagram.root in (FALSE, TRUE):
-            constants[module.top] = diagram.root
-    return Solution(tree, diagrams)
+    with recursion_of(len(tree.events) + len(tree.gates)):
+        graph = kernel.load("graph", interpreted).reduce(flatten(tree))
+        return Solution(tree, graph, _Parts(tree, graph, budgets, interpreted).all(), interpreted)
 
 
-def _smallest(tree: FaultTree, module: Module, constants: Mapping[str, int], budgets: Sequence[int]) -> Diagram:
-    for budget in budgets:
-        for order in candidate_orders(module):
-            try:
-                return build(module, order, constants, budget)
-            except OutOfBudget:
-                continue
-    raise TooLarge(
-        f'fault tree "{tree.name}": the module at gate "{module.top}" ({len(module.gates)} gates over '
-        f"{len(module.variables)} variables) needs more than {budgets[-1]} nodes in every order tried; "
-        "split the tree, or pass larger budgets to solve()"
-    )
+class _Parts:
+    """The diagrams of the modules of one graph, inner ones first."""
 
+    def __init__(self, tree: FaultTree, graph: FlatGraph, budgets: Sequence[int], interpreted: bool) -> None:
+        self.tree, self.graph, self.budgets = tree, graph, budgets
+        self.modules, self.members, self.orders, self.diagrams = (
+            kernel.load(name, interpreted) for name in ("modules", "members", "orders", "diagram")
+        )
+        self.numbers = graph.variables + len(graph) + 1
+        self.constants: dict[int, int] = {0: 0}
 
-def build(module: Module, order: tuple[str, ...], constants: Mapping[str, int], budget: int | None = None) -> Diagram:
-    """The diagram of `module` under `order`; house events and constant modules are `constants`. Raises OutOfBudget."""
-    bdd = Bdd(len(order), budget)
-    functions = {name: bdd.node(level, TRUE, FALSE) for level, name in enumerate(order)} | dict(constants)
-    with recursion_of(len(order)):
-        for gate in module.gates:
-            functions[gate.name] = bdd.gate(gate.kind, [functions[name] for name in gate.inputs], gate.k)
-    return Diagram(bdd, order, functions[module.top])
+    def all(self) -> list[Part]:
+        top = self.graph.root >> 1
+        if top <= self.graph.variables:
+            return [self._literal(self.graph.root)]
+        modules, _ = self.modules.modules(self.graph, True)
+        is_module = bytearray(self.numbers)
+        for number in modules:
+            is_module[number] = 1
+        parts = []
+        for number in modules:
+            part = self._module(number, is_module, self.graph.root & 1 if number == top else 0)
+            if part.diagram.root < 2:
+                self.constants[number] = part.diagram.root
+            parts.append(part)
+        return parts
+
+    def _literal(self, literal: int) -> Part:
+        """A top event that is a basic event, its opposite or a constant."""
+        order = [literal >> 1] if literal > 1 else []
+        builder = self.diagrams.Builder(len(order), 2)
+        root = builder.variable(0) ^ (literal & 1) if order else literal
+        return Part(self.numbers, order, builder.finish(root))
+
+    def _module(self, number: int, is_module: array[int], flip: int) -> Part:
+        gates, _ = self.members.members(self.graph, number, is_module)
+        fresh, known = self.orders.orders(self.graph, number, is_module), []
+        for budget in self.budgets:
+            for order in itertools.chain(known, fresh):
+                if budget == self.budgets[0]:
+                    known.append(order)
+                diagram = self._built(gates, order, budget, flip)
+                if diagram is not None:
+                    return Part(number, order, diagram)
+        raise TooLarge(
+            f'fault tree "{self.tree.name}": a module of {len(gates)} gates over {len(known[0])} variables '
+            f"needs more than {self.budgets[-1]} nodes in every order tried; split the tree, or pass larger budgets "
+            "to solve()"
+        )
+
+    def _built(self, gates: array[int], order: Sequence[int], budget: int, flip: int) -> Any | None:
+        builder = self.diagrams.Builder(len(order), budget)
+        edge_of = array("i", bytes(4 * self.numbers))
+        for level, number in enumerate(order):
+            edge_of[number] = builder.variable(level)
+        for number, constant in self.constants.items():
+            edge_of[number] = constant
+        root = builder.build(self.graph, gates, edge_of)
+        return None if root < 0 else builder.finish(root ^ flip)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import itertools
 import math
 import time
-from dataclasses import asdict
 from fractions import Fraction
 from typing import Any
 
@@ -16,26 +15,42 @@ from safety.trees.tree import FaultTree
 
 EXACT_NODES = 20_000  # largest diagram whose exact rational is computed unasked
 EXACT_BITS = 13_000  # longest denominator written out, about 3,900 digits
-LISTED = 200  # minimal cut sets listed, the smallest first
+LISTED = 200  # minimal cut sets listed
 
 
 def summary(tree: FaultTree, *, source: str = "", read_s: float | None = None, listed: int = LISTED) -> dict[str, Any]:
-    """Solve `tree` and give its entry for the "trees" of a results document.
-
-    `source` says where the tree came from (a file, a model) and `read_s` how many seconds reading took. Probabilities
-    that are not known are None; "exact" is the probability as "p/q" where all are rational, the diagram has at most
-    EXACT_NODES nodes and the denominator at most EXACT_BITS bits. The probability lies between "probability_low" and
-    "probability_high" whatever the rounding. Raises TooLarge.
-    """
+    """Solve `tree` and give its entry for the "trees" of a results document (see `entry_of`). Raises TooLarge."""
     started = time.perf_counter()
     solution = solve(tree)
-    exact = solution.exact if solution.nodes <= EXACT_NODES else None
+    return entry_of(solution, source=source, read_s=read_s, solve_s=time.perf_counter() - started, listed=listed)
+
+
+def entry_of(
+    solution: Solution,
+    *,
+    source: str = "",
+    read_s: float | None = None,
+    solve_s: float = 0.0,
+    listed: int = LISTED,
+    likeliest: bool = False,
+    exact_nodes: float = EXACT_NODES,
+) -> dict[str, Any]:
+    """The entry of a solved tree for the "trees" of a results document.
+
+    `source` says where the tree came from (a file, a model), `read_s` and `solve_s` how many seconds reading it and
+    building its diagrams took. Probabilities that are not known are None; "exact" is the probability as "p/q" where all
+    are rational, the diagram has at most `exact_nodes` nodes and the denominator at most EXACT_BITS bits. The
+    probability lies between "probability_low" and "probability_high" whatever the rounding. `listed` cut sets are
+    listed, the smallest or the `likeliest`. Raises TooLarge.
+    """
+    started, tree = time.perf_counter(), solution.tree
+    _ = solution.probability, solution.counts
+    solve_s += time.perf_counter() - started
+    exact = solution.exact if solution.nodes <= exact_nodes else None
     probability, low, high = _enclosed(solution, exact)
     importance = sorted(
         solution.importance().values(), key=lambda measures: (-(measures.criticality or 0), measures.event)
     )
-    cut_sets = _cut_sets(solution, listed)
-    solved = time.perf_counter() - started
     sources = {event.name: event.source for event in tree.events}
     return {
         "id": tree.name,
@@ -47,11 +62,11 @@ def summary(tree: FaultTree, *, source: str = "", read_s: float | None = None, l
         "probability_low": low,
         "probability_high": high,
         "exact": None if exact is None or exact.denominator.bit_length() > EXACT_BITS else str(exact),
-        "minimal_cut_sets": cut_sets,
-        "importance": [_plain(measures) | {"source": sources[measures.event]} for measures in importance],
+        "minimal_cut_sets": cut_set_rows(solution, listed, likeliest),
+        "importance": [plain(measures) | {"source": sources[measures.event]} for measures in importance],
         "structure": to_document(tree),
         "diagram_nodes": solution.nodes,
-        "seconds": {"read": read_s, "solve": solved, "total": solved + (read_s or 0)},
+        "seconds": {"read": read_s, "solve": solve_s, "total": solve_s + (read_s or 0)},
     }
 
 
@@ -64,10 +79,13 @@ def _enclosed(solution: Solution, exact: Fraction | None) -> tuple[float | None,
     return nearest, low, nearest if nearest >= exact else math.nextafter(nearest, 1)
 
 
-def _cut_sets(solution: Solution, listed: int) -> dict[str, Any]:
-    """Counts by order, and the smallest sets with their probabilities; how many are left out is said."""
+def cut_set_rows(solution: Solution, listed: int, likeliest: bool = False) -> dict[str, Any]:
+    """Counts by order, and the smallest (or likeliest) sets with their probabilities; how many are left out is said."""
     chances = {event.name: event.chance for event in solution.tree.events}
-    sets = sorted(itertools.islice(solution.cut_sets(), listed), key=lambda cut_set: (len(cut_set), cut_set))
+    if likeliest:
+        sets = [one for _, one in itertools.islice(solution.likeliest_cut_sets(), listed)]
+    else:
+        sets = sorted(itertools.islice(solution.cut_sets(), listed), key=lambda cut_set: (len(cut_set), cut_set))
     rows = []
     for cut_set in sets:
         known = [chance[0] for name in cut_set if (chance := chances[name])]
@@ -81,5 +99,6 @@ def _cut_sets(solution: Solution, listed: int) -> dict[str, Any]:
     }
 
 
-def _plain(measures: Importance[float]) -> dict[str, Any]:
-    return {key: "inf" if value == math.inf else value for key, value in asdict(measures).items()}
+def plain(measures: Importance[float]) -> dict[str, Any]:
+    """The measures by name; an infinite one is the text "inf"."""
+    return {key: "inf" if value == math.inf else value for key, value in vars(measures).items()}

@@ -16,11 +16,16 @@ from dataclasses import dataclass, field, replace
 from decimal import Decimal
 from fractions import Fraction
 from functools import cached_property
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from safety.trees.expressions import Expression
 
 Rational = Fraction | int | float | str | Decimal
 KINDS = ("and", "or", "vote", "not", "xor")
 TAGS = {"P": "printed", "D": "derived", "A": "assumed", "R": "reconstructed", "": "untagged"}
 LARGEST_EXPONENT = 400  # of ten, in a number as written; beyond any double, and small enough to compute with
+HALF_ULP = 2.0**-53  # the largest relative error of one rounding
 DISAGREEMENT = Fraction(1, 100)  # allowed between a probability and the rate beside it, as printed figures are rounded
 
 
@@ -33,12 +38,18 @@ class TreeError(ValueError):
         super().__init__(f"{place}: {message}" if place else message)
         self.message, self.item, self.place = message, item, place
 
+    def at(self, place: str) -> TreeError:
+        """The same error with its place, unless it has one."""
+        return self if self.place else TreeError(self.message, self.item, place)
+
 
 def exact(value: Rational, what: str, item: str = "") -> Fraction:
     """The rational that `value` was written as; a float means the decimal it prints as.
 
     Raises TreeError when it is no finite number.
     """
+    if isinstance(value, Fraction):
+        return value
     text = str(value)
     try:
         if abs(int(text.lower().partition("e")[2] or 0)) <= LARGEST_EXPONENT and not isinstance(value, bool):
@@ -52,11 +63,12 @@ def exact(value: Rational, what: str, item: str = "") -> Fraction:
 class BasicEvent:
     """A cause that is not analysed further.
 
-    Its probability is `probability`, or 1 - exp(-rate_per_hour * mission_time_h), or unknown (None) when neither is
-    given. A rate may stand beside a probability for the reader; the probability is then used, and the two must agree
-    within 1 %.
+    Its probability is `probability`, or 1 - exp(-rate_per_hour * mission_time_h), or the value of `expression` at the
+    mission time, or unknown (None) when none is given. A rate may stand beside a probability for the reader; the
+    probability is then used, and the two must agree within 1 %.
 
-    Raises TreeError: value out of range, rate and probability in disagreement, unknown source tag.
+    Raises TreeError: value out of range, rate and probability in disagreement, an expression beside them, unknown
+    source tag.
     """
 
     name: str
@@ -65,6 +77,8 @@ class BasicEvent:
     mission_time_h: Fraction | None = None  # >= 0
     description: str = ""
     source: str = ""  # a key of TAGS
+    attributes: tuple[tuple[str, str], ...] = ()  # names and texts that mean nothing here, kept for other programs
+    expression: Expression | None = None
 
     def __post_init__(self) -> None:
         for quantity, upper in (("probability", 1), ("rate_per_hour", None), ("mission_time_h", None)):
@@ -92,8 +106,47 @@ class BasicEvent:
                     f"time give {by_rate:g}; remove one of them or correct it",
                     self.name,
                 )
+        if self.expression is not None:
+            self._check_expression(self.expression)
+
+    def _check_expression(self, expression: Expression) -> None:
+        if self.probability is not None or self.rate_per_hour is not None:
+            raise TreeError(
+                f'basic event "{self.name}" has an expression besides a probability or rate; remove one of them',
+                self.name,
+            )
+        if expression.uses_mission_time and self.mission_time_h is None:
+            return
+        try:
+            value = expression.value(self.mission_time_h)
+            possible = 0 <= value <= 1
+            if not possible:  # or a rounding error beyond the end
+                low, high = expression.enclosure(self.mission_time_h)
+                possible = low <= 1 and high >= 0
+        except TreeError as error:
+            raise TreeError(f'basic event "{self.name}": {error.message}', self.name, error.place) from None
+        if not possible:
+            raise TreeError(
+                f'the expression of basic event "{self.name}" gives {value:g}, expected a probability between 0 and 1; '
+                "correct it",
+                self.name,
+            )
 
     @property
+    def formula(self) -> Expression | None:
+        """What gives its probability, as an expression; None if it is unknown."""
+        from safety.trees.expressions import Constant
+        from safety.trees.lifetimes import Exponential
+
+        if self.expression is not None:
+            return self.expression
+        if self.probability is not None:
+            return Constant(self.probability)
+        if self.rate_per_hour is None or self.mission_time_h is None:
+            return None
+        return Exponential(self.rate_per_hour, self.mission_time_h)
+
+    @cached_property
     def exact_chance(self) -> tuple[Fraction, Fraction] | None:
         """Probability that the event occurs and that it does not, as rationals;
 
@@ -101,17 +154,50 @@ class BasicEvent:
         """
         if self.probability is not None:
             return self.probability, 1 - self.probability
+        if self._is_expressed:
+            assert self.expression is not None
+            value = self.expression.exact(self.mission_time_h)
+            return None if value is None else (value, 1 - value)
         return (Fraction(0), Fraction(1)) if self._expected_failures == 0 else None
 
-    @property
+    @cached_property
     def chance(self) -> tuple[float, float] | None:
-        """The same in double precision, both accurate to an ulp or two; None if unknown."""
-        if self.exact_chance is not None:
-            return float(self.exact_chance[0]), float(self.exact_chance[1])
+        """The same in double precision, both as accurate as `chance_error` says; None if unknown."""
+        if self.probability is not None:  # as by far the most are: without a Fraction made anew
+            over, under = self.probability.numerator, self.probability.denominator
+            return over / under, (under - over) / under
+        exactly = self.exact_chance
+        if exactly is not None:
+            return float(exactly[0]), float(exactly[1])
+        if self._is_expressed:
+            assert self.expression is not None
+            value, rest = self.expression.chance(self.mission_time_h)
+            return min(max(value, 0.0), 1.0), min(max(rest, 0.0), 1.0)
         if self._expected_failures is None:
             return None
         exponent = -float(self._expected_failures)
         return -math.expm1(exponent), math.exp(exponent)
+
+    @property
+    def chance_error(self) -> float:
+        """A bound of the relative error of either number of `chance`; infinite where an expression gives none.
+
+        With a math library good to 1 ulp, at most 3 half ulps for 1 - exp(-x) and 3 + x for exp(-x).
+        """
+        if self.exact_chance is not None or self.chance is None:
+            return HALF_ULP
+        if self.expression is None:
+            assert self._expected_failures is not None
+            return HALF_ULP * (3 + float(self._expected_failures))
+        low, high = self.expression.enclosure(self.mission_time_h)
+        return (high - low) / min(low, 1 - high) if low > 0 and high < 1 else math.inf
+
+    @property
+    def _is_expressed(self) -> bool:
+        """Whether an expression gives the probability, and all that it needs is known."""
+        return self.expression is not None and (
+            self.mission_time_h is not None or not self.expression.uses_mission_time
+        )
 
     @property
     def _expected_failures(self) -> Fraction | None:
@@ -129,6 +215,7 @@ class HouseEvent:
     name: str
     state: bool
     description: str = ""
+    attributes: tuple[tuple[str, str], ...] = ()
 
 
 @dataclass(frozen=True)
@@ -146,6 +233,7 @@ class Gate:
     k: int | None = None
     description: str = ""
     inside: str = ""  # the gate in whose formula this one was written, if it had no name of its own
+    attributes: tuple[tuple[str, str], ...] = ()
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "inputs", tuple(self.inputs))
@@ -156,8 +244,9 @@ class Gate:
             raise self._error(
                 f"has {count} inputs, expected {'exactly 1' if self.kind == 'not' else 'at least 1'}; correct its list"
             )
-        if repeated := [name for name, times in Counter(self.inputs).items() if times > 1]:
-            raise self._error(f'has the input "{repeated[0]}" more than once; name each input once')
+        if len(set(self.inputs)) < count:
+            repeated = next(name for name, times in Counter(self.inputs).items() if times > 1)
+            raise self._error(f'has the input "{repeated}" more than once; name each input once')
         if self.kind == "vote" and not (type(self.k) is int and 1 <= self.k <= count):
             raise self._error(
                 f"has k = {self.k!r} of {count} inputs, expected a whole number from 1 to {count}; "
@@ -207,26 +296,33 @@ class FaultTree:
         self._inputs_first(gate.name for gate in self.gates)
 
     def _with_mission_time(self, event: BasicEvent) -> BasicEvent:
-        if event.rate_per_hour is None or event.mission_time_h is not None:
+        if event.mission_time_h is not None:
+            return event
+        if event.expression is not None and event.expression.uses_mission_time:
+            has = "an expression of the mission time"
+        elif event.rate_per_hour is not None:
+            has = f"a rate of {float(event.rate_per_hour):g} per hour"
+        else:
             return event
         if self.mission_time_h is None and event.probability is None:
             raise TreeError(
-                f'basic event "{event.name}" has a rate of {float(event.rate_per_hour):g} per hour and no mission '
-                f'time; give it mission_time_h, or give one to the fault tree "{self.name}"',
+                f'basic event "{event.name}" has {has} and no mission time; give it mission_time_h, or give one to the '
+                f'fault tree "{self.name}"',
                 event.name,
             )
         return replace(event, mission_time_h=self.mission_time_h)
 
     def _check_names(self) -> None:
-        nodes: tuple[Node, ...] = (*self.gates, *self.events, *self.house_events)
-        for name, times in Counter(node.name for node in nodes).items():
-            if times > 1:
-                raise TreeError(
-                    f'"{name}" is defined {times} times in fault tree "{self.name}"; rename or remove all but one', name
-                )
+        every: tuple[Node, ...] = (*self.gates, *self.events, *self.house_events)
+        nodes = self.nodes
+        if len(nodes) < len(every):
+            name, times = next(some for some in Counter(node.name for node in every).items() if some[1] > 1)
+            raise TreeError(
+                f'"{name}" is defined {times} times in fault tree "{self.name}"; rename or remove all but one', name
+            )
         for gate in self.gates:
             for name in gate.inputs:
-                if name not in self.nodes:
+                if name not in nodes:
                     raise TreeError(
                         f'gate "{gate.name}" has the input "{name}", which is neither a gate nor an event of fault '
                         f'tree "{self.name}"; define it or correct the name',
@@ -252,11 +348,12 @@ class FaultTree:
     def _inputs_first(self, roots: Iterable[str]) -> tuple[Gate, ...]:
         done: dict[str, Gate] = {}
         path: dict[str, None] = {}  # gates entered and not yet left, outermost first
+        gates = {gate.name: gate for gate in self.gates}
         agenda = [(root, False) for root in roots][::-1]
         while agenda:
             name, leaving = agenda.pop()
-            gate = self.nodes[name]
-            if not isinstance(gate, Gate) or name in done:
+            gate = gates.get(name)
+            if gate is None or name in done:
                 continue
             if leaving:
                 del path[name]
@@ -272,7 +369,7 @@ class FaultTree:
             else:
                 path[name] = None
                 agenda.append((name, True))
-                agenda.extend((below, False) for below in reversed(gate.inputs))
+                agenda.extend((below, False) for below in reversed(gate.inputs) if below in gates and below not in done)
         return tuple(done.values())
 
     def occurs(self, failed: Collection[str]) -> bool:

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable
 from fractions import Fraction
-from itertools import combinations
+from itertools import combinations, product
 from typing import Any
 
 import pytest
@@ -12,8 +12,9 @@ from safety.faults import every, stuck
 from safety.model import Model, point, power_up
 from safety.prove.hazards import CANDIDATE, CONFIRMED, CutSet, CutSets, Hazard, hazard, hazards
 from safety.report.standing import standing
-from safety.terms import U1, Bit, all_of
-from safety.trees.from_model import beyond, completeness, told, tree_entry
+from safety.terms import U1, Bit, all_of, any_of
+from safety.trees import Gate
+from safety.trees.from_model import beyond, completeness, told, tree_entry, tree_from_model
 
 NAMES = [f"{wire} stuck-at-1" for wire in "abc"]
 RATES = dict(zip(NAMES, ("1e-4", "2e-4", "3e-4"), strict=True))
@@ -27,6 +28,31 @@ class Wires(Model, tick_s="1"):
 
     def step(self, x: Bit) -> tuple["Wires", Bit]:
         return Wires(n=self.n), all_of(*(point(wire, x) for wire in "abc"))
+
+
+class Channel(Model, tick_s="1"):
+    """A wire and a relay."""
+
+    n: U1 = power_up(0)
+
+    def step(self, x: Bit) -> tuple["Channel", Bit]:
+        return Channel(n=self.n), point("relay", point("wire", x))
+
+
+class Voter(Model, tick_s="1"):
+    """Two of three channels; of the class of `spare` there is but one."""
+
+    a: Channel
+    b: Channel
+    c: Channel
+    spare: Wires
+
+    def step(self, x: Bit) -> tuple["Voter", Bit]:
+        a, y = self.a.step(x)
+        b, z = self.b.step(x)
+        c, u = self.c.step(x)
+        spare, _ = self.spare.step(x)
+        return Voter(a=a, b=b, c=c, spare=spare), any_of(y & z, z & u, y & u)
 
 
 @pytest.fixture
@@ -148,6 +174,24 @@ def test_a_hazard_whose_candidates_are_taken_for_sure_is_noticed(
     monkeypatch.setattr("safety.trees.from_model.CONFIRMED", CANDIDATE)
     with pytest.raises(AssertionError):
         test_candidates_count_above_and_not_below(declare)
+
+
+def test_channels_of_the_model_are_drawn_as_such(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Short names of like parts come with the name of their class: what fails is channel a."""
+    monkeypatch.setattr("safety.prove.hazards._registry", {})
+    channels = [[f"{c}.relay stuck-at-1", f"{c}.wire stuck-at-1"] for c in "abc"]
+    points = [f"{c}.{point}" for c in "abc" for point in ("relay", "wire")]
+
+    @hazard(Voter, faults=every(stuck(1), *points), scenarios=lambda names: [])
+    def output(s: Any) -> Bit:
+        """The output is high."""
+        return s.out
+
+    pairs = [CutSet(pair, CONFIRMED) for x, y in combinations(channels, 2) for pair in product(x, y)]
+    tree = tree_from_model(CutSets("x", pairs, 6, True), hazards()[0])
+    assert tree.gates[0].inputs == ("channel a fails", "channel b fails", "channel c fails")
+    assert (tree.gates[0].kind, tree.gates[0].k, tree.gates[0].description) == ("vote", 2, "The output is high.")
+    assert tree.gates[1] == Gate("channel a fails", "or", tuple(channels[0]))
 
 
 def test_no_cut_set_is_probability_0(declare: Callable[..., Hazard]) -> None:

@@ -10,7 +10,7 @@ import pytest
 
 from safety.report.plot_svg import DASHES, HEIGHT, LEFT, MARKED, MARKERS, TOP, WIDTH, plot_svg
 from safety.report.scales import Scale, scale_of
-from safety.report.tree_layout import text_width
+from safety.report.tree_text import text_width
 
 SVG = "{http://www.w3.org/2000/svg}"
 

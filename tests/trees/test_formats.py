@@ -7,6 +7,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from safety.trees import BasicEvent, FaultTree, Gate, HouseEvent, TreeError, read, solve, to_document, write
+from safety.trees.expressions import Constant, MissionTime, Parameter
+from safety.trees.lifetimes import Exponential
 from tests.trees.twin import trees
 
 TREE = """<?xml version="1.0"?>
@@ -45,7 +47,8 @@ def test_mef_trees_and_data_in_two_files(tmp_path):
     tree = read(put(tmp_path, TREE), put(tmp_path, DATA, "data.xml"), mission_time_h=100)
     assert (tree.name, tree.top, tree.description) == ("permit", "top", "Permit on a wrong count")
     assert tree.nodes["a"] == BasicEvent("a", Fraction(1, 1000), description="A sticks", source="P")
-    assert tree.nodes["b"] == BasicEvent("b", None, Fraction(2, 10**6), Fraction(100))
+    rate = Parameter("rate", Constant("2e-6"))
+    assert tree.nodes["b"] == BasicEvent("b", mission_time_h=100, expression=Exponential(rate, MissionTime()))
     assert tree.nodes["c"].chance is None
     assert tree.nodes["both"].inputs == ("a", "both/2", "both/3")
     assert tree.nodes["both/3"] == Gate("both/3", "vote", ("b",), 1, inside="both")
@@ -110,8 +113,8 @@ def gate(formula, name="top"):
 A = '<basic-event name="a"/>'
 MALFORMED = {
     "not closed": ("<opsa-mef>\n<and>\n</opsa-mef>", r"tree.xml:3: not well-formed XML \(mismatched tag\)"),
-    "empty": ("", r"tree.xml:1: starts with b'', expected Open-PSA MEF XML or JSON"),
-    "other text": ("top := a & b;", r"tree.xml:1: starts with b'top := a & b;'"),
+    "empty": ("", r"tree.xml:1: starts with b'', expected Open-PSA MEF XML, JSON, Aralia text or Galileo text"),
+    "other text": ("top = a & b;", r"tree.xml:1: starts with b'top = a & b;'"),
     "entities": (
         '<?xml version="1.0"?>\n<!DOCTYPE x [<!ENTITY a "aaaa"><!ENTITY b "&a;&a;">]>\n<opsa-mef>&b;</opsa-mef>',
         r"tree.xml:2: a document type .* is not accepted",
@@ -137,7 +140,10 @@ MALFORMED = {
     "formula": (xml(gate(f"<pand>{A}</pand>")), r"tree.xml:2: <pand> is no formula known here, expected one of and"),
     "xor of three": (xml(gate(f"<xor>{A}{A}{A}</xor>")), r"tree.xml:2: <xor> has 3 arguments, expected 2"),
     "two formulas": (xml(gate(f"<or>{A}</or><or>{A}</or>")), r'tree.xml:2: <define-gate> "top" holds 2 elements'),
-    "element": (xml(gate(f"<or>{A}</or>") + "<define-CCF-group/>"), r"tree.xml:2: <define-CCF-group> is not supported"),
+    "element": (
+        xml(gate(f"<or>{A}</or>") + "<define-thing/>"),
+        r"tree.xml:2: <define-thing> is not known in <opsa-mef>",
+    ),
     "probability": (
         xml(gate(f"<or>{A}</or>"), '<define-basic-event name="a"><float value="1.2"/></define-basic-event>'),
         r'tree.xml:3: probability of basic event "a" is 6/5, expected between 0 and 1',
@@ -148,7 +154,7 @@ MALFORMED = {
     ),
     "expression": (
         xml(gate(f"<or>{A}</or>"), '<define-basic-event name="a"><lognormal-deviate/></define-basic-event>'),
-        r"tree.xml:3: .*<lognormal-deviate> is not supported",
+        r"tree.xml:3: .*<lognormal-deviate> has 0 arguments, expected 2 .* or 3",
     ),
     "parameter": (
         xml(gate(f"<or>{A}</or>"), '<define-basic-event name="a"><parameter name="p"/></define-basic-event>'),
@@ -221,7 +227,7 @@ def test_top_can_be_chosen(tmp_path):
 
 def test_several_files_with_json_among_them_are_refused(tmp_path):
     write(FaultTree("t", "g", (Gate("g", "or", ("h",)),), (), (HouseEvent("h", True),)), tmp_path / "a.json")
-    with pytest.raises(TreeError, match="several files, and JSON among them"):
+    with pytest.raises(TreeError, match="several files, and not all of them MEF"):
         read(tmp_path / "a.json", put(tmp_path, TREE))
     with pytest.raises(TreeError, match="no file given"):
         read()

@@ -1,0 +1,162 @@
+"""Tree files for `rightside tree`: read, solved and asked what the options want; nothing is imported that is not used."""
+
+from __future__ import annotations
+
+import time
+from argparse import Namespace
+from fractions import Fraction
+from math import inf
+from pathlib import Path
+
+from safety.commands import CommandError
+from safety.commands.output import data, probe
+from safety.report.files import dumps, write_text
+from safety.trees.formats import read
+from safety.trees.solve import Solution, solve
+from safety.trees.summary import entry_of
+from safety.trees.tree import FaultTree, TreeError, exact
+from safety.commands.versions import VERSION
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from typing import Any
+
+    from safety.report.schema import Entry
+
+NOT_AS_ASKED = 1
+QUICKLY_EXACT = 150  # nodes of a diagram that is evaluated in rationals unasked
+
+
+def solve_files(args: Namespace) -> tuple[list[Entry], int]:
+    """The entries for the files, written as JSON where asked; and the exit code."""
+    if args.keyword or args.req or args.lf or args.settings:
+        raise CommandError("-k, --req, --lf and --set choose among a project's hazards; leave them out with a FILE")
+    if args.uncertainty is None and (args.lhs or args.seed is not None):
+        raise CommandError("--lhs and --seed are of --uncertainty N; add it")
+    if args.json:
+        probe(Path(args.json))
+    entries = _events(args) or [_dynamic(args) or _static(args)]
+    results: dict[str, Any] = {"schema": "rightside/1", "tool": {"rightside": VERSION}}
+    for entry in entries:
+        results.setdefault("event_trees" if "sequences" in entry else "trees", []).append(entry)
+    if args.json == "-":
+        data(dumps(results).rstrip("\n"))
+    elif args.json:
+        write_text(Path(args.json), dumps(results))
+    return entries, NOT_AS_ASKED if any(entry.get("wrong") for entry in entries) else 0
+
+
+def _static(args: Namespace) -> Entry:
+    began = time.perf_counter()
+    tree = read(*args.files, top=args.top, mission_time_h=args.hours)
+    read_s = time.perf_counter() - began
+    solution = solve(tree)
+    entry = entry_of(
+        solution, source=", ".join(args.files), read_s=read_s, solve_s=time.perf_counter() - began - read_s,
+        likeliest=args.likeliest, exact_nodes=inf if args.exact else QUICKLY_EXACT,
+    )  # fmt: skip
+    entry |= _more(args, tree, solution)
+    return entry
+
+
+def _more(args: Namespace, tree: FaultTree, solution: Solution) -> Entry:
+    """What the options ask for beyond cut sets, probability and importance."""
+    found: Entry = {}
+    if args.gates:
+        from safety.trees.importance_of_gates import importance_of_gates, plain
+
+        found["gate_importance"] = [plain(one) for one in importance_of_gates(tree).values()]
+    if args.uncertainty:
+        from safety.trees import uncertainty
+        from safety.trees.sampling import Plan
+
+        plan = Plan(args.uncertainty, 1 if args.seed is None else args.seed, args.lhs)
+        found["uncertainty"] = uncertainty.fields(uncertainty.propagate(solution, plan))
+    if args.sensitivity:
+        from safety.trees import sensitivity
+
+        found["sensitivity"] = sensitivity.fields(solution)
+    if args.target:
+        found["targets"] = [_target(solution, text) for text in args.target]
+    if args.curve or args.sil:
+        found |= _mission(args, tree)
+    if args.certificate:
+        from safety.trees import certificate
+
+        certificate.write(solution, Path(args.certificate))
+    for path in args.export:
+        from safety.trees.formats import write
+
+        write(tree, path)
+    return found
+
+
+def _mission(args: Namespace, tree: FaultTree) -> Entry:
+    from safety.trees.mission import Mission
+
+    mission, found = Mission(tree, args.hours), {}
+    if args.curve:
+        found["curve"] = mission.curve(args.curve).plain()
+    if args.sil:
+        from safety.trees.averages import averages
+        from safety.trees.mean_time import mean_time_to_failure
+
+        found["averages"] = averages(mission).plain()
+        try:
+            found["mean_time_to_failure_h"] = mean_time_to_failure(tree).plain()
+        except TreeError as why:
+            found["mean_time_to_failure_h"] = {"why_not": why.message}
+    return found
+
+
+def _target(solution: Solution, text: str) -> Entry:
+    from dataclasses import asdict
+
+    from safety.trees.targets import meets
+
+    name, equals, goal = text.rpartition("=")
+    if not (equals and name):
+        raise CommandError(f"--target {text!r}: give NAME=P, the name of a parameter or event and a probability")
+    return asdict(meets(solution, name, goal))
+
+
+def _dynamic(args: Namespace) -> Entry | None:
+    """The entry of a Galileo file with dynamic gates; None for any other."""
+    text = Path(args.files[0]).read_bytes() if len(args.files) == 1 and Path(args.files[0]).is_file() else b""
+    if b"toplevel" not in text:
+        return None
+    from safety.trees.galileo import is_galileo, read_galileo
+
+    if not is_galileo(text):
+        return None
+    began = time.perf_counter()
+    tree = read_galileo(text, args.files[0])
+    if not tree.dynamic_elements:
+        return None
+    _refuse(args, "a dynamic tree")
+    from safety.trees.dynamic_summary import dynamic_summary
+
+    hours: Fraction | None = None if args.hours is None else exact(args.hours, "--hours")
+    return dynamic_summary(tree, hours, source=args.files[0], read_s=time.perf_counter() - began)
+
+
+def _events(args: Namespace) -> list[Entry]:
+    """The entries of the event trees in the files, if there are any."""
+    if not any(b"initiating-event" in Path(file).read_bytes() for file in args.files if Path(file).is_file()):
+        return []
+    from safety.trees.event_tree_summary import event_tree_entries
+    from safety.trees.formats import read_study
+
+    study = read_study(*args.files, mission_time_h=args.hours)
+    if args.top or not study.event_trees:
+        return []
+    _refuse(args, "event trees")
+    return event_tree_entries(study, source=", ".join(args.files))
+
+
+def _refuse(args: Namespace, what: str) -> None:
+    from safety.commands.tree import OF_FILES
+
+    for name, default in OF_FILES.items():
+        if name != "hours" and getattr(args, name) != default:
+            raise CommandError(f"--{name} is of a static fault tree, and {', '.join(args.files)} holds {what}")

@@ -1,0 +1,80 @@
+"""What a results document says of event trees: the entries of "event_trees", one for each initiating event."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+from safety.trees.event_tree_answers import EventTreeAnswer, Figure, SequenceAnswer, analyse, consequences
+from safety.trees.summary import EXACT_BITS, LISTED, cut_set_rows, plain
+
+if TYPE_CHECKING:
+    from safety.trees.study import Study
+
+
+def event_tree_entries(
+    study: Study, *, source: str = "", house: Mapping[str, bool] | None = None, listed: int = LISTED
+) -> list[dict[str, Any]]:
+    """Analyse every initiating event of `study` that starts an event tree, and give its entry.
+
+    "probability" is that of a sequence given the initiating event, "frequency" the same times its frequency (in the
+    unit of that, None where there is none). "partition" is whether the sequences share out all that can happen, None
+    where that is not known, and "wrong" says what speaks against it. Figures lie between their "_low" and "_high"
+    whatever the rounding. Raises TreeError, TooLarge.
+    """
+    entries, answers = [], []
+    for initiating in study.initiating_events:
+        if initiating.event_tree:
+            started = time.perf_counter()
+            answers.append(analyse(study, initiating, house))
+            entries.append(_entry(answers[-1], study, source, listed))
+            entries[-1]["seconds"] = {"total": time.perf_counter() - started}
+    everywhere = consequences(answers)
+    for entry in entries:
+        for sequence in entry["sequences"]:
+            figure = everywhere[sequence["id"]]
+            sequence["frequency_of_all_initiating_events"] = None if figure is None else figure.value
+    return entries
+
+
+def _entry(answer: EventTreeAnswer, study: Study, source: str, listed: int) -> dict[str, Any]:
+    tree = next(one for one in study.event_trees if one.name == answer.initiating.event_tree)
+    return {
+        "id": answer.initiating.name,
+        "description": answer.initiating.description,
+        "source": source,
+        "event_tree": tree.name,
+        **_figure("frequency", answer.frequency),
+        "functional_events": [{"id": one.name, "description": one.description} for one in tree.functional_events],
+        "sequences": [_sequence(answer, one, listed) for one in answer.sequences.values()],
+        **_figure("total", answer.total),
+        "partition": answer.is_partition,
+        "wrong": list(answer.wrong),
+    }
+
+
+def _sequence(answer: EventTreeAnswer, sequence: SequenceAnswer, listed: int) -> dict[str, Any]:
+    importance = sorted(sequence.importance().values(), key=lambda one: (-abs(one.criticality or 0), one.event))
+    return {
+        "id": sequence.name,
+        "description": sequence.solution.tree.description,
+        **_figure("probability", sequence.probability),
+        **_figure("frequency", answer.frequency_of(sequence.name)),
+        "paths": [dict(course.states) for course in sequence.courses],
+        "minimal_cut_sets": cut_set_rows(sequence.solution, listed),
+        "importance": [plain(one) for one in importance],
+    }
+
+
+def _figure(key: str, figure: Figure | None) -> dict[str, Any]:
+    if figure is None:
+        return {key: None, f"{key}_low": None, f"{key}_high": None, f"{key}_exact": None}
+    exact = figure.exact
+    written = None if exact is None or exact.denominator.bit_length() > EXACT_BITS else str(exact)
+    return {
+        key: figure.value,
+        f"{key}_low": figure.within.low,
+        f"{key}_high": figure.within.high,
+        f"{key}_exact": written,
+    }

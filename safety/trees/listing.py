@@ -1,0 +1,161 @@
+"""Minimal cut sets one by one out of their diagrams: the smallest first, or the likeliest first.
+
+No branch is entered that does not end in a cut set, so the first ones cost little however many there are.
+"""
+
+from __future__ import annotations
+
+import heapq
+import itertools
+from array import array
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any, Optional
+
+EMPTY = 1  # the node of the family of just the empty set
+WORD = 64  # orders below it have a bit each in the kernel's masks
+CutSet = tuple[int, ...]
+_Todo = tuple[int, int, int, Optional["_Todo"]]  # module, node, number of events, what comes after
+
+
+class Families:
+    """The minimal cut sets of a tree, one family a module: `members[module]` is the family and its variables.
+
+    Variables and modules are numbers; one that is no module is an event. `top` is the module of the whole tree.
+    """
+
+    def __init__(self, members: Mapping[int, tuple[Any, Sequence[int]]], top: int) -> None:
+        self.members = members
+        self.top = top
+
+    def counts(self) -> tuple[int, ...]:
+        """The number of cut sets with 0, 1, 2, ... events, exact at any size; no zero at the end."""
+        counts: dict[int, tuple[int, ...]] = {}
+        for module, (family, variables) in self.members.items():
+            weights = [counts.get(variable, (0, 1)) for variable in variables]
+            row = family.counts(weights)
+            if row is None:
+                row = _counts(family, weights)
+            while row and not row[-1]:
+                row.pop()
+            counts[module] = tuple(row)
+        return counts[self.top]
+
+    def smallest_first(self) -> Iterator[CutSet]:
+        """The cut sets by increasing order; within an order, as the diagrams have them."""
+        masks = self._masks()
+        root = self.members[self.top][0].root
+        whole = masks[self.top][root]
+        for order in range(whole.bit_length()):
+            if whole >> order & 1:
+                yield from self._of_order(masks, order)
+
+    def _of_order(self, masks: Mapping[int, Sequence[int]], order: int) -> Iterator[CutSet]:
+        """The search state: a chain of nodes to resolve, each with the events it must add, and the events chosen."""
+        agenda: list[tuple[_Todo | None, CutSet]] = [((self.top, self.members[self.top][0].root, order, None), ())]
+        nodes = {module: family.node for module, (family, _) in self.members.items()}
+        while agenda:
+            todo, chosen = agenda.pop()
+            if todo is None:
+                yield chosen
+                continue
+            module, node, events, rest = todo
+            mask = masks[module]
+            if not mask[node] >> events & 1:
+                continue
+            if node == EMPTY:
+                agenda.append((rest, chosen))
+                continue
+            level, high, low, _ = nodes[module][4 * node : 4 * node + 4]
+            variable = self.members[module][1][level]
+            agenda.append(((module, low, events, rest), chosen))
+            if variable not in self.members:
+                if events:
+                    agenda.append(((module, high, events - 1, rest), (*chosen, variable)))
+                continue
+            root = self.members[variable][0].root
+            inner = masks[variable][root]
+            for inside in range(min(events, inner.bit_length() - 1) + 1):
+                if inner >> inside & 1 and mask[high] >> (events - inside) & 1:
+                    agenda.append(((variable, root, inside, (module, high, events - inside, rest)), chosen))
+
+    def likeliest_first(self, chance: Mapping[int, float]) -> Iterator[tuple[float, CutSet]]:
+        """The cut sets by decreasing product of the chances of their events, each with that product.
+
+        Sets of chance 0 are left out. Best-first search; what is still open is bounded by the best that it leads to.
+        """
+        best: dict[int, Sequence[float]] = {}
+        worth = dict(chance)
+        for module, (family, variables) in self.members.items():
+            best[module] = family.best(array("d", [worth[variable] for variable in variables]))
+            worth[module] = best[module][family.root]
+        root = self.members[self.top][0].root
+        ties = itertools.count()  # so that the order is always the same
+        heap: list[tuple[float, int, float, Any, CutSet]] = []
+
+        def push(bound: float, sure: float, todo: Any, chosen: CutSet) -> None:
+            if bound > 0:
+                heapq.heappush(heap, (-bound, next(ties), sure, todo, chosen))
+
+        push(best[self.top][root], 1.0, (self.top, root, None), ())
+        while heap:
+            bound, _, sure, todo, chosen = heapq.heappop(heap)
+            if todo is None:
+                yield sure, chosen
+                continue
+            module, node, rest = todo
+            if node == EMPTY:
+                push(-bound, sure, rest, chosen)
+                continue
+            family, variables = self.members[module]
+            level, high, low, _ = family.node[4 * node : 4 * node + 4]
+            variable = variables[level]
+            outside = -bound / best[module][node]
+            push(outside * best[module][low], sure, (module, low, rest), chosen)
+            bound = outside * best[module][high] * worth[variable]
+            if variable in self.members:
+                push(bound, sure, (variable, self.members[variable][0].root, (module, high, rest)), chosen)
+            else:
+                push(bound, sure * worth[variable], (module, high, rest), (*chosen, variable))
+
+    def _masks(self) -> dict[int, Sequence[int]]:
+        """For each module and node, bit n set where it has a set of n events."""
+        masks: dict[int, Sequence[int]] = {}
+        for module, (family, variables) in self.members.items():
+            inner = [masks[v][self.members[v][0].root] if v in masks else 2 for v in variables]
+            longest = array("i", [mask.bit_length() - 1 for mask in inner])
+            if max(family.orders(longest)) < WORD:
+                masks[module] = family.reachable_orders(array("Q", inner))
+            else:
+                masks[module] = _masks(family, inner)
+        return masks
+
+
+def _masks(family: Any, inner: Sequence[int]) -> list[int]:
+    """The same as `reachable_orders`, for orders of any size."""
+    masks, node = [0, 1], family.node
+    for i in range(2, family.count):
+        level, high, low, _ = node[4 * i : 4 * i + 4]
+        mask, shift, product = inner[level], 0, 0
+        while mask:
+            if mask & 1:
+                product |= masks[high] << shift
+            mask, shift = mask >> 1, shift + 1
+        masks.append(masks[low] | product)
+    return masks
+
+
+def _counts(family: Any, weights: Sequence[Sequence[int]]) -> list[int]:
+    """The same as the kernel's `counts`, for numbers of any size."""
+    counts: list[list[int]] = [[], [1]]
+    node = family.node
+    for i in range(2, family.count):
+        level, high, low, _ = node[4 * i : 4 * i + 4]
+        weight, above = weights[level], counts[high]
+        row = [0] * max(len(counts[low]), len(weight) + len(above) - 1 if above else 0)
+        row[: len(counts[low])] = counts[low]
+        for n, many in enumerate(weight):
+            if many:
+                for j, number in enumerate(above):
+                    row[n + j] += many * number
+        counts.append(row)
+    return counts[family.root]

@@ -1,0 +1,223 @@
+"""Sensitivity: derivatives against differences, tornado bars against trees solved anew, targets checked exactly."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from fractions import Fraction
+
+import pytest
+
+from safety.trees.distributions import Lognormal, Uniform
+from safety.trees.expressions import Expression, MissionTime, Parameter
+from safety.trees.lifetimes import Exponential, PeriodicTest
+from safety.trees.readings import MISSION_TIME
+from safety.trees.sensitivity import derivatives, fields, tornado
+from safety.trees.solve import solve
+from safety.trees.targets import meets
+from safety.trees.tree import BasicEvent, FaultTree, Gate, TreeError
+
+
+def bridge(rate: Expression | str = "2e-4", p: Expression | str = "0.03", beta: Expression | str = "0.1") -> FaultTree:
+    """Two of three channels with a common cause, or a tested part together with a rated one."""
+    rate, p, beta = (
+        each if isinstance(each, Expression) else Parameter(name, each)
+        for name, each in (("rate", rate), ("p", p), ("beta", beta))
+    )
+    single = Exponential(rate * (Parameter("one", 1) - beta), MissionTime())
+    events = (
+        *(BasicEvent(f"channel {n}", expression=single) for n in (1, 2, 3)),
+        BasicEvent("common", expression=Exponential(rate * beta, MissionTime())),
+        BasicEvent("tested", expression=PeriodicTest(rate, "0.01", 100, 10, MissionTime())),
+        BasicEvent("rated", rate_per_hour=Fraction("1e-3")),
+        BasicEvent("fixed", expression=p * p),
+        BasicEvent("plain", Fraction("0.2")),
+    )
+    gates = (
+        Gate("top", "or", ("two", "common", "both")),
+        Gate("two", "vote", ("channel 1", "channel 2", "channel 3"), 2),
+        Gate("both", "and", ("tested", "rated", "not fixed", "plain")),
+        Gate("not fixed", "not", ("fixed",)),
+    )
+    return FaultTree("bridge", "top", gates, events, mission_time_h=Fraction(250))
+
+
+def top(tree: FaultTree) -> float:
+    probability = solve(tree).probability
+    assert probability is not None
+    return probability
+
+
+AT: dict[str, tuple[Callable[[Fraction], FaultTree], Fraction]] = {
+    "rate": (lambda x: bridge(rate=str(x)), Fraction("2e-4")),
+    "p": (lambda x: bridge(p=str(x)), Fraction("0.03")),
+    "beta": (lambda x: bridge(beta=str(x)), Fraction("0.1")),
+    MISSION_TIME: (
+        lambda x: replace(
+            bridge(),
+            mission_time_h=x,
+            events=tuple(replace(e, mission_time_h=None) for e in bridge().events),
+        ),
+        Fraction(250),
+    ),
+}
+
+
+@pytest.mark.parametrize("name", AT)
+def test_derivatives_by_parameters_are_those_of_differences(name: str) -> None:
+    make, x = AT[name]
+    found = {one.name: one for one in derivatives(solve(bridge()))}[name]
+    h = x / 10_000
+    slope = (top(make(x - 2 * h)) - 8 * top(make(x - h)) + 8 * top(make(x + h)) - top(make(x + 2 * h))) / (
+        12 * float(h)
+    )
+    assert found.derivative == pytest.approx(slope, rel=1e-8)
+    assert found.value == float(x)
+    assert found.elasticity == pytest.approx(float(x) * slope / top(bridge()), rel=1e-8)
+
+
+def rational(p: Fraction = Fraction(1, 7), q: Fraction = Fraction(2, 5)) -> FaultTree:
+    """A tree whose probability is rational: a polynomial in p and q."""
+    x, y = Parameter("p", p), Parameter("q", q)
+    events = (
+        BasicEvent("a", expression=x),
+        BasicEvent("b", expression=x * y),
+        BasicEvent("c", expression=y * Uniform("0.2", "0.4")),
+        BasicEvent("d", Fraction(1, 9)),
+    )
+    gates = (Gate("top", "vote", ("a", "b", "c", "d"), 2),)
+    return FaultTree("rational", "top", gates, events)
+
+
+@pytest.mark.parametrize("name", ["p", "q"])
+def test_a_derivative_of_a_polynomial_is_exact(name: str) -> None:
+    """By Lagrange's interpolation of the exact values at enough points, in rationals."""
+    x = {"p": Fraction(1, 7), "q": Fraction(2, 5)}[name]
+    points = [x + Fraction(n, 100) for n in range(-3, 4)]
+    values = [solve(rational(**{name: each})).exact for each in points]
+    slope = Fraction(0)
+    for i, (xi, yi) in enumerate(zip(points, values, strict=True)):
+        assert yi is not None
+        others = [xj for j, xj in enumerate(points) if j != i]
+        for skipped in others:
+            term = yi / (xi - skipped)
+            for xj in others:
+                if xj != skipped:
+                    term *= (x - xj) / (xi - xj)
+            slope += term
+    found = {one.name: one for one in derivatives(solve(rational()))}[name]
+    assert found.derivative == pytest.approx(float(slope), rel=1e-14)
+
+
+def test_the_derivative_by_an_event_is_birnbaum() -> None:
+    solution = solve(rational())
+    found = {one.name: one.derivative for one in derivatives(solution)}
+    exact = solution.exact_importance()
+    assert {name: found[name] for name in "abcd"} == pytest.approx(
+        {n: float(exact[n].birnbaum) for n in "abcd"}, rel=1e-14
+    )
+    assert "p" in found and MISSION_TIME not in found
+
+
+def test_tornado_bars_are_trees_solved_anew() -> None:
+    uncertain = bridge(rate=Parameter("rate", Lognormal("2e-4", 3, "0.95")), p=Parameter("p", Uniform(0, "0.5")))
+    bars = tornado(solve(uncertain), {"plain": ("0.1", "0.5"), "beta": (0, "0.2")})
+    assert {bar.name for bar in bars} == {"rate", "p", "plain", "beta"}
+    assert [bar.swing for bar in bars] == sorted((bar.swing for bar in bars), reverse=True)
+    for bar in bars:
+        for x, value in ((bar.low, bar.top_low), (bar.high, bar.top_high)):
+            if bar.name == "plain":
+                events = tuple(
+                    replace(e, probability=Fraction(x)) if e.name == "plain" else e for e in bridge(p="0.25").events
+                )
+                changed = replace(bridge(p="0.25"), events=events)
+            else:
+                changed = bridge(**({"p": "0.25"} | {bar.name: repr(x)}))  # type: ignore[arg-type]
+            assert value == pytest.approx(top(changed), rel=1e-12), bar
+    by_name = {bar.name: bar for bar in bars}
+    assert (by_name["p"].low, by_name["p"].high) == pytest.approx((0.025, 0.475))
+    assert by_name["rate"].high / by_name["rate"].low == pytest.approx(9)
+
+
+def test_the_fields_of_a_results_document() -> None:
+    plain, uncertain = fields(solve(bridge())), fields(solve(rational()))
+    assert plain["tornado"] == [] and plain["derivatives"][0].keys() == {"name", "value", "derivative", "elasticity"}
+    assert [bar["name"] for bar in uncertain["tornado"]] == ["c/2"]
+    assert [bar["name"] for bar in fields(solve(bridge()), {"p": (0, 1)})["tornado"]] == ["p"]
+
+
+def test_a_range_replaces_the_distribution_of_a_parameter() -> None:
+    (bar,) = tornado(solve(bridge(p=Parameter("p", Uniform(0, "0.5")))), {"p": ("0.1", "0.2")})
+    assert (bar.low, bar.high) == (0.1, 0.2)
+    assert bar.top_low == pytest.approx(top(bridge(p="0.1")), rel=1e-14)
+
+
+def test_a_test_interval_is_varied_with_the_number_of_tests() -> None:
+    def tested(interval: str) -> FaultTree:
+        law = PeriodicTest("1e-3", "0.01", Parameter("interval", interval), 10, MissionTime())
+        return FaultTree("t", "g", (Gate("g", "or", ("e",)),), (BasicEvent("e", expression=law),), mission_time_h=1000)
+
+    (bar,) = tornado(solve(tested("99")), {"interval": (33, 990)})
+    assert (bar.top_low, bar.top_high) == pytest.approx((top(tested("33")), top(tested("990"))), rel=1e-13)
+
+
+@pytest.mark.parametrize(("name", "target"), [("p", "0.1"), ("q", "0.2"), ("d", "0.25"), ("p", "1/3"), ("a", "0.05")])
+def test_a_target_lies_between_the_ends_in_exact_arithmetic(name: str, target: str) -> None:
+    found = meets(solve(rational()), name, target)
+    assert found.exact and 0 < found.high - found.low < 1e-11
+
+    def at(x: float) -> Fraction:
+        if name in "pq":
+            value = solve(rational(**{name: Fraction(x)})).exact
+        else:
+            events = tuple(
+                BasicEvent(name, Fraction(x)) if event.name == name else event for event in rational().events
+            )
+            value = solve(replace(rational(), events=events)).exact
+        assert value is not None
+        return value
+
+    assert min(at(found.low), at(found.high)) <= Fraction(target) <= max(at(found.low), at(found.high))
+
+
+def test_a_crossing_that_doubles_misjudge_is_widened_until_it_holds() -> None:
+    """The top hardly depends on "d": in doubles it is flat over long stretches."""
+
+    def tree(d: Fraction) -> FaultTree:
+        gates = (Gate("top", "or", ("big", "both")), Gate("both", "and", ("tiny", "d")))
+        events = (BasicEvent("big", Fraction(1, 3)), BasicEvent("tiny", Fraction("1e-14")), BasicEvent("d", d))
+        return FaultTree("flat", "top", gates, events)
+
+    target = solve(tree(Fraction(1, 7))).exact
+    assert target is not None
+    found = meets(solve(tree(Fraction(1, 2))), "d", target)
+    ends = [solve(tree(Fraction(end))).exact or Fraction(0) for end in (found.low, found.high)]
+    assert found.exact and ends[0] <= target <= ends[1] and found.low <= 1 / 7 <= found.high
+
+
+def test_a_target_for_an_irrational_tree() -> None:
+    found = meets(solve(bridge()), "rate", "1e-3")
+    assert not found.exact and found.high - found.low < 1e-12 * found.high
+    assert top(bridge(rate=repr(found.low))) <= 1e-3 <= top(bridge(rate=repr(found.high)))
+    assert meets(solve(bridge()), "rate", "0.5", start="1e-9").low == pytest.approx(
+        meets(solve(bridge()), "rate", "0.5").low, rel=1e-12
+    )
+
+
+@pytest.mark.parametrize(
+    ("run", "message"),
+    [
+        (
+            lambda: meets(solve(rational()), "x", "0.1"),
+            '"x" is neither a parameter nor a basic event .* a, b, c, d, p, q',
+        ),
+        (lambda: meets(solve(rational()), "d", "1.5"), "expected a probability between 0 and 1"),
+        (lambda: meets(solve(rational()), "d", "0.999"), 'no value of "d" brings the top event to 0.999'),
+        (lambda: meets(solve(rational()), "d", "1e-9"), "stays above the target"),
+        (lambda: tornado(solve(rational()), {"x": (0, 1)}), '"x" is neither'),
+        (lambda: tornado(solve(rational()), {"d": (0, 2)}), "2.0"),
+    ],
+)
+def test_questions_without_an_answer_are_refused(run: Callable[[], object], message: str) -> None:
+    with pytest.raises(TreeError, match=message):
+        run()
