@@ -38,6 +38,16 @@ CHOSEN = {"verify": "results", "prove": "claims", "inject": "campaigns", "rate":
 INPUT_ERROR, INTERNAL, INTERRUPTED = 2, 70, 130
 
 
+def _width() -> int:
+    """The width of help: that of the terminal, or as COLUMNS says."""
+    with contextlib.suppress(ValueError, OSError):
+        return max(40, int(os.environ.get("COLUMNS") or os.get_terminal_size().columns) - 2)
+    return 78
+
+
+_WIDTH = _width()
+
+
 class CommandError(Exception):
     """The command cannot do what was asked; the message says what to do instead."""
 
@@ -119,13 +129,20 @@ def _parser(verb: str, module: Any) -> argparse.ArgumentParser:
         prog=f"rightside {verb}",
         description=module.__doc__,
         epilog=examples,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
+        formatter_class=_Help,
         allow_abbrev=False,
     )
     module.add_arguments(parser)
     parser.add_argument("--project", metavar="DIR", help="the project's folder (default: found from here upwards)")
     parser.add_argument("--traceback", action="store_true", help="show the whole way to an error")
     return parser
+
+
+class _Help(argparse.RawDescriptionHelpFormatter):
+    """As wide as the terminal; asked of the system, as argparse makes one for each argument and imports much for it."""
+
+    def __init__(self, prog: str) -> None:
+        super().__init__(prog, width=_WIDTH)
 
 
 def _parsed(verb: str, parser: argparse.ArgumentParser, words: list[str]) -> argparse.Namespace:

@@ -6,10 +6,12 @@ import json
 import os
 import sys
 from collections.abc import Mapping
-from pathlib import Path
-from typing import Any
 
 from safety.commands import CommandError
+
+TYPE_CHECKING = False  # typing itself is not needed to start
+if TYPE_CHECKING:
+    from typing import Any
 
 
 def data(text: str) -> None:
@@ -27,6 +29,8 @@ def write_json(document: Mapping[str, Any], target: str) -> None:
     if target == "-":
         data(dumps(dict(document)).rstrip("\n"))
     else:
+        from pathlib import Path
+
         save(dict(document), Path(target))
 
 
@@ -38,26 +42,31 @@ def write_plain(document: Mapping[str, Any], target: str) -> None:
     if target == "-":
         data(text)
     else:
-        write_text(Path(target), text + "\n")
+        write_text(target, text + "\n")
 
 
-def write(path: Path, text: str) -> None:
+def write(path: str | os.PathLike[str], text: str) -> None:
     """Write a text file in one go."""
     from safety.report.files import write_text
 
     write_text(path, text)
 
 
-def probe(path: Path) -> None:
+def probe(path: str | os.PathLike[str]) -> None:
     """Refuse a file that cannot be written, before hours of work.  Raises CommandError."""
-    if str(path) == "-" or (path.exists() and not path.is_file() and not path.is_dir()):
+    from safety.report.files import beside
+
+    name = os.fspath(path)
+    if name == "-" or (os.path.exists(name) and not os.path.isfile(name) and not os.path.isdir(name)):
         return
     try:
-        if path.is_dir():
+        if os.path.isdir(name):
             raise IsADirectoryError(0, "it is a folder; give a file in it")
-        path.parent.mkdir(parents=True, exist_ok=True)
-        trial = path.with_name(f".{path.name}.{os.getpid()}")
-        trial.touch(exist_ok=False)
-        trial.unlink()
+        folder = os.path.dirname(name)
+        if folder:
+            os.makedirs(folder, exist_ok=True)
+        with open(beside(name), "xb"):
+            pass
+        os.unlink(beside(name))
     except OSError as error:
-        raise CommandError(f"{path} cannot be written: {error.strerror}; give another place") from None
+        raise CommandError(f"{name} cannot be written: {error.strerror}; give another place") from None

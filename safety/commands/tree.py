@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import sys
 from argparse import ArgumentParser, Namespace
-from pathlib import Path
 
 from safety.commands import CommandError, options
 from safety.commands.output import data, probe, write
@@ -65,7 +64,7 @@ def run(args: Namespace) -> int:
     """Carry out the verb."""
     for path in (args.svg, args.certificate, *args.export):
         if path:
-            probe(Path(path))
+            probe(path)
     if args.files:
         from safety.commands.tree_files import solve_files
 
@@ -81,11 +80,11 @@ def run(args: Namespace) -> int:
     if args.json != "-":
         data("\n\n".join(told(entry) for entry in entries if "structure" in entry or "dynamic" in entry or "sequences" in entry))
     if args.svg:
-        _draw(Path(args.svg), entries)
+        _draw(args.svg, entries)
     return code
 
 
-def _draw(path: Path, entries: list[Entry]) -> None:
+def _draw(path: str, entries: list[Entry]) -> None:
     from safety.report.tree_svg import tree_svg
 
     if len(entries) != 1:

@@ -6,12 +6,11 @@ import time
 from argparse import Namespace
 from fractions import Fraction
 from math import inf
-from pathlib import Path
 
 from safety.commands import CommandError
 from safety.commands.output import data, probe
 from safety.report.files import dumps, write_text
-from safety.trees.formats import read
+from safety.trees.formats import LARGEST, read
 from safety.trees.solve import Solution, solve
 from safety.trees.summary import entry_of
 from safety.trees.tree import FaultTree, TreeError, exact
@@ -24,7 +23,7 @@ if TYPE_CHECKING:
     from safety.report.schema import Entry
 
 NOT_AS_ASKED = 1
-QUICKLY_EXACT = 150  # nodes of a diagram that is evaluated in rationals unasked
+QUICKLY_EXACT = 30  # nodes of a diagram that is evaluated in rationals unasked
 
 
 def solve_files(args: Namespace) -> tuple[list[Entry], int]:
@@ -34,7 +33,7 @@ def solve_files(args: Namespace) -> tuple[list[Entry], int]:
     if args.uncertainty is None and (args.lhs or args.seed is not None):
         raise CommandError("--lhs and --seed are of --uncertainty N; add it")
     if args.json:
-        probe(Path(args.json))
+        probe(args.json)
     entries = _events(args) or [_dynamic(args) or _static(args)]
     results: dict[str, Any] = {"schema": "rightside/1", "tool": {"rightside": VERSION}}
     for entry in entries:
@@ -42,7 +41,7 @@ def solve_files(args: Namespace) -> tuple[list[Entry], int]:
     if args.json == "-":
         data(dumps(results).rstrip("\n"))
     elif args.json:
-        write_text(Path(args.json), dumps(results))
+        write_text(args.json, dumps(results))
     return entries, NOT_AS_ASKED if any(entry.get("wrong") for entry in entries) else 0
 
 
@@ -81,6 +80,8 @@ def _more(args: Namespace, tree: FaultTree, solution: Solution) -> Entry:
     if args.curve or args.sil:
         found |= _mission(args, tree)
     if args.certificate:
+        from pathlib import Path
+
         from safety.trees import certificate
 
         certificate.write(solution, Path(args.certificate))
@@ -122,7 +123,7 @@ def _target(solution: Solution, text: str) -> Entry:
 
 def _dynamic(args: Namespace) -> Entry | None:
     """The entry of a Galileo file with dynamic gates; None for any other."""
-    text = Path(args.files[0]).read_bytes() if len(args.files) == 1 and Path(args.files[0]).is_file() else b""
+    text = _content(args.files[0]) if len(args.files) == 1 else b""
     if b"toplevel" not in text:
         return None
     from safety.trees.galileo import is_galileo, read_galileo
@@ -142,7 +143,7 @@ def _dynamic(args: Namespace) -> Entry | None:
 
 def _events(args: Namespace) -> list[Entry]:
     """The entries of the event trees in the files, if there are any."""
-    if not any(b"initiating-event" in Path(file).read_bytes() for file in args.files if Path(file).is_file()):
+    if not any(b"initiating-event" in _content(file) for file in args.files):
         return []
     from safety.trees.event_tree_summary import event_tree_entries
     from safety.trees.formats import read_study
@@ -152,6 +153,15 @@ def _events(args: Namespace) -> list[Entry]:
         return []
     _refuse(args, "event trees")
     return event_tree_entries(study, source=", ".join(args.files))
+
+
+def _content(path: str) -> bytes:
+    """The beginning of a file, nothing where there is none: whoever reads it says what is wrong."""
+    try:
+        with open(path, "rb") as file:
+            return file.read(LARGEST)
+    except OSError:
+        return b""
 
 
 def _refuse(args: Namespace, what: str) -> None:

@@ -84,7 +84,9 @@ def _uncertainty(found: Entry) -> list[str]:
         [number(row["level"]), number(row["value"]), f"{number(row['low'])} to {number(row['high'])}"]
         for row in found["quantiles"]
     ]
-    confidence = found["quantiles"][0]["confidence"] if found["quantiles"] else 0.95
+    if found["hypercubes"]:
+        return [*lines, table(["quantile", "value"], [row[:2] for row in rows])]  # samples that are not independent
+    confidence = found["quantiles"][0]["confidence"]
     return [*lines, table(["quantile", "value", f"with confidence {number(confidence)} or more"], rows)]
 
 

@@ -17,6 +17,7 @@ from safety.rates.numeric import Transient
 from safety.rates.units import Rational, exact
 
 MOST_STATES = 200
+LONGEST = 4096  # bits of the denominator of a result
 TERMS = 12  # of the series: at most 1/12! = 2e-9 wide
 
 
@@ -65,11 +66,18 @@ def transient_by_exponential(
         row = [result[start, column] for column in range(size + 1)]
         if not all(x.is_finite() for x in row):
             raise NumericsFailed(f"{bits} bits are too few for this chain over {float(end):.3g} h; give more bits")
-        *states, total = [Enclosure(_end(x.lower()), _end(x.upper())) for x in row]
+        *states, total = [Enclosure(_end(x.lower(), 0), _end(x.upper(), 1)) for x in row]
     return Transient(dict(zip(chain.states, states, strict=True)), total)
 
 
-def _end(x: Any) -> Fraction:
-    """One end of a ball as a Fraction; not below 0, since neither a probability nor a reward is."""
-    mantissa, exponent = x.man_exp()
-    return max(Fraction(0), Fraction(int(mantissa)) * Fraction(2) ** int(exponent))
+def _end(x: Any, up: int) -> Fraction:
+    """One end of a ball as a Fraction; not below 0, since neither a probability nor a reward is.
+
+    What is smaller than 2**-LONGEST becomes 0, or 2**-LONGEST for the upper end: exp(-1e9) has a billion digits.
+    """
+    mantissa, exponent = (int(part) for part in x.man_exp())
+    if mantissa <= 0:
+        return Fraction(0)
+    if mantissa.bit_length() + exponent < -LONGEST:
+        return Fraction(up, 2**LONGEST)
+    return Fraction(mantissa) * Fraction(2) ** exponent

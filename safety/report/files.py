@@ -5,8 +5,11 @@ from __future__ import annotations
 import json
 import math
 import os
-from pathlib import Path
-from typing import Any
+from json.encoder import encode_basestring
+
+TYPE_CHECKING = False  # typing itself is not needed to start
+if TYPE_CHECKING:
+    from typing import Any
 
 
 class ResultsError(ValueError):
@@ -25,34 +28,44 @@ def dumps(results: dict[str, Any]) -> str:
     return text
 
 
-def write_text(path: Path, text: str) -> None:
+def write_text(path: str | os.PathLike[str], text: str) -> None:
     """Write a text file so that a reader sees the old text or the new one, never a part."""
     write_bytes(path, text.encode("utf-8"))
 
 
-def write_bytes(path: Path, content: bytes) -> None:
+def write_bytes(path: str | os.PathLike[str], content: bytes) -> None:
     """The same for any file; a pipe or a device cannot be replaced, only written.
 
     Raises `OSError` with the name of the file, on a full disk too.
     """
     try:
-        _write(path, content)
+        _write(os.fspath(path), content)
     except OSError as error:
         raise OSError(error.errno, error.strerror, str(path)) from error
 
 
-def _write(path: Path, content: bytes) -> None:
-    if path.exists() and not path.is_file():
-        path.write_bytes(content)
+def _write(path: str, content: bytes) -> None:
+    if os.path.exists(path) and not os.path.isfile(path):
+        with open(path, "wb") as file:
+            file.write(content)
         return
-    path.parent.mkdir(parents=True, exist_ok=True)
-    temporary = path.with_name(f".{path.name}.{os.getpid()}")
+    folder = os.path.dirname(path)
+    if folder:
+        os.makedirs(folder, exist_ok=True)
+    temporary = beside(path)
     try:
-        temporary.write_bytes(content)
+        with open(temporary, "wb") as file:
+            file.write(content)
         os.replace(temporary, path)
     except BaseException:
-        temporary.unlink(missing_ok=True)
+        if os.path.exists(temporary):
+            os.unlink(temporary)
         raise
+
+
+def beside(path: str) -> str:
+    """A name in the folder of `path` that this process alone uses."""
+    return os.path.join(os.path.dirname(path), f".{os.path.basename(path)[:200]}.{os.getpid()}")
 
 
 def _text(value: Any, indent: str) -> str:
@@ -66,6 +79,11 @@ def _text(value: Any, indent: str) -> str:
 
 
 def _plain(value: Any) -> str:
-    if isinstance(value, float) and math.isinf(value) and value > 0:
+    kind = type(value)
+    if kind is str:
+        return encode_basestring(value)
+    if kind is float and math.isinf(value) and value > 0:
         return '"inf"'
+    if kind is int or (kind is float and math.isfinite(value)):
+        return repr(value)
     return json.dumps(value, ensure_ascii=False, allow_nan=False)

@@ -92,7 +92,7 @@ def gaps(results: Results) -> list[Gap]:
         ),
         Gap(
             "Sampled",
-            "A share of all injections was drawn; the figures are estimates with an interval.",
+            "A share of all injections, or of what inputs may be, was drawn; the figures are estimates.",
             list(_sampled(results)),
         ),
         Gap("Requirements without evidence", "No claim names them.", list(_unclaimed(results))),
@@ -182,6 +182,9 @@ def _sampled(results: Results) -> Iterator[Item]:
                 "campaigns",
                 campaign,
             )
+    for tree in results.get("trees", ()):
+        if found := tree.get("uncertainty"):
+            yield Item(tree["id"], f"{number(found['samples'])} samples of its uncertain inputs", "trees", tree)
 
 
 def _unclaimed(results: Results) -> Iterator[Item]:

@@ -31,6 +31,7 @@ from safety.report.trace import Trace
 from safety.report.tree_layout import SIZES
 from safety.report.tree_shapes import STYLE
 from safety.report.tree_svg import tree_pages, tree_svg
+from safety.report.uncertainty_svg import distribution_svg, tornado_svg
 
 TEMPLATES = Path(__file__).parent / "templates"
 SCRIPT = (TEMPLATES / "trees.js").read_text(encoding="utf-8")
@@ -158,6 +159,10 @@ def _environment(results: documents.Results) -> Environment:
         ),
         bar=lambda campaign, ident: Markup(classes_bar(campaign["classes"], ident)),
         histogram=lambda latency, what: Markup(histogram_svg(bins(dict(latency["histogram"])), latency["unit"], what)),
+        distribution=lambda tree, ident: Markup(
+            "".join(_drawn(tree, lambda: [distribution_svg(tree, f"{ident}-distribution")]))
+        ),
+        tornado=lambda tree: Markup("".join(_drawn(tree, lambda: [tornado_svg(tree)]))),
         interval=lambda *values, **options: Markup(interval_svg(*values, **options)),
         is_number=_is_number,
         plot=lambda exhibit, ident: Markup(plotted(exhibit, ident)),

@@ -62,6 +62,8 @@ class Tree(TypedDict, total=False):
     complete_at_all_orders: bool
     faults_listed: int  # of the hazard: what "all orders" is about
     structure: dict[str, Any]  # the tree itself, in the fault-tree format of safety.trees.json_form
+    uncertainty: dict[str, Any]  # of the probability, sampled: see safety.trees.uncertainty.fields
+    sensitivity: dict[str, Any]  # see safety.trees.sensitivity.fields
     as_expected: bool
     seconds: Any
     error: str | None
@@ -106,10 +108,14 @@ class EventTree(TypedDict, total=False):
     frequency_exact: str | None
     functional_events: list[FunctionalEvent]
     sequences: list[Sequence]
+    alignment: str  # in whose phase, with its part of the time
+    phase: str
+    time_fraction: Number
     total: Number  # of the probabilities of the sequences
     total_low: Number
     total_high: Number
     total_exact: str | None
+    whole: Number  # what they should add up to: 1, less where substitutions take cases out
     partition: bool | None  # whether the sequences share out all that can happen; None: not known
     wrong: list[str]  # what speaks against it
     seconds: Any

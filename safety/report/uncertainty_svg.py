@@ -11,6 +11,7 @@ from collections.abc import Mapping, Sequence
 from html import escape
 from typing import Any
 
+from safety.report.assumed import mark, rests_on_assumed
 from safety.report.numbers import number
 from safety.report.plot_svg import plot_svg
 from safety.report.svg import element, text
@@ -29,12 +30,14 @@ STYLE = """
 """
 
 
-def distribution_svg(found: Mapping[str, Any], ident: str, title: str) -> str:
+def distribution_svg(tree: Mapping[str, Any], ident: str) -> str:
     """The histogram of the samples, the mean, and the range from the lowest to the highest quantile given.
 
-    `found` is what `safety.trees.uncertainty.fields` gives; `ident` is unique in a page.
+    `tree` is an entry of "trees" with "uncertainty"; `ident` is unique in a page.
     """
+    found = tree["uncertainty"]
     bins, quantiles = found["histogram"], found["quantiles"]
+    assumed = rests_on_assumed("trees", tree)
     log = (
         len(bins) > 1
         and bins[0]["low"] > 0
@@ -46,7 +49,7 @@ def distribution_svg(found: Mapping[str, Any], ident: str, title: str) -> str:
     outline.append((bins[-1]["high"], 0))
     marks: list[dict[str, Any]] = [
         {"kind": "curve", "label": f"{found['samples']} samples", "points": outline, "marked": False},
-        {"kind": "rule", "label": f"mean {number(found['mean'])}", "axis": "x", "at": [found["mean"]]},
+        {"kind": "rule", "label": f"mean {number(found['mean'])}{mark(assumed)}", "axis": "x", "at": [found["mean"]]},
     ]
     if len(quantiles) > 1:
         first, last = quantiles[0], quantiles[-1]
@@ -54,23 +57,24 @@ def distribution_svg(found: Mapping[str, Any], ident: str, title: str) -> str:
         marks.append({"kind": "band", "label": label, "axis": "x", "at": [first["value"], last["value"]]})
     across = {"name": "probability of the top event", "unit": "", "log": log, "low": None, "high": None}
     up = {"name": "samples", "unit": "", "log": False, "low": 0, "high": None}
-    return plot_svg({"title": title, "x": across, "y": up, "marks": marks}, ident)
+    title = f"Uncertainty of {tree['id']}"
+    return plot_svg({"title": title, "assumed": assumed, "x": across, "y": up, "marks": marks}, ident)
 
 
-def tornado_svg(bars: Sequence[Mapping[str, Any]], top: float, title: str) -> str:
-    """One row for each of the SHOWN widest bars, over a common axis with a line at the present probability `top`.
+def tornado_svg(tree: Mapping[str, Any]) -> str:
+    """One row for each of the SHOWN widest bars, over a common axis with a line at the present probability.
 
-    A bar has "name", "low" and "high" of the quantity and "top_low" and "top_high", the top's probability there.
-    Empty without bars.
+    `tree` is an entry of "trees" with "sensitivity". Empty without bars.
     """
-    shown = bars[:SHOWN]
+    bars, top, sign = tree["sensitivity"]["tornado"], tree["probability"], mark(rests_on_assumed("trees", tree))
+    shown: Sequence[Mapping[str, Any]] = bars[:SHOWN]
     if not shown:
         return ""
     ends = [top, *(each[key] for each in shown for key in ("top_low", "top_high"))]
     low, high = min(ends), max(ends)
     names = [_cut(str(each["name"])) for each in shown]
     left = SIDE + max(map(text_width, names)) + GAP
-    room = max(text_width(number(end, 3)) for end in ends) + GAP
+    room = max(text_width(number(end, 3) + sign) for end in ends) + GAP
     start = left + room
 
     def at(value: float) -> float:
@@ -99,11 +103,11 @@ def tornado_svg(bars: Sequence[Mapping[str, Any]], top: float, title: str) -> st
             for key, look in (("top_low", "down"), ("top_high", "up"))
         ]
         least, most = sorted((each["top_low"], each["top_high"]))
-        row.append(text(number(least, 3), min(at(least), at(top)) - GAP / 2, middle + 4, text_anchor="end"))
-        row.append(text(number(most, 3), max(at(most), at(top)) + GAP / 2, middle + 4))
+        row.append(text(number(least, 3) + sign, min(at(least), at(top)) - GAP / 2, middle + 4, text_anchor="end"))
+        row.append(text(number(most, 3) + sign, max(at(most), at(top)) + GAP / 2, middle + 4))
         parts.append(element("g", *row))
     parts.append(element("path", class_="rule", d=f"M{at(top):.1f} {TOP - 4}V{height - BELOW + 4}"))
-    parts.append(text(number(top), at(top), TOP - 9, text_anchor="middle"))
+    parts.append(text(number(top) + sign, at(top), TOP - 9, text_anchor="middle"))
     words = "filled: quantity at the upper end of its range; outlined: at the lower end"
     left_out = f"; {len(bars) - len(shown)} narrower bars are not shown" if len(bars) > len(shown) else ""
     parts.append(text(words + left_out, SIDE, height - 6))
@@ -118,7 +122,7 @@ def tornado_svg(bars: Sequence[Mapping[str, Any]], top: float, title: str) -> st
         width=math.ceil(wide),
         height=height,
         role="img",
-        aria_label=f"{title}. {said}",
+        aria_label=f"What moves {tree['id']}{sign}. {said}",
     )
 
 

@@ -58,6 +58,7 @@ class _Reader:
         self._depth = 0
         self._kind, self._text, self._line = next(self._tokens)
         self.draft = Draft(file, mission_time_h=mission_time_h)
+        self._made: dict[int, str] = {}  # the gates of the formulas of one equation
         self._used: dict[str, str] = {}  # names in formulas, with the place where each first stands
         given: dict[str, tuple[str, bool | Fraction]] = {}
         first = True
@@ -71,7 +72,9 @@ class _Reader:
         name = self._name()
         if self._text == ":=":
             self._next()
-            self._gate(name, self._formula(), place)
+            formula = self._formula()
+            self._made.clear()
+            self._gate(name, formula, place)
         elif self._text == "(" and name in ("p", "s"):
             self._next()
             event = self._name()
@@ -106,9 +109,12 @@ class _Reader:
             if isinstance(argument, str):
                 inputs.append(argument)
                 self._used.setdefault(argument, place)
+            elif id(argument) in self._made:  # the list of #( stands in two gates
+                inputs.append(self._made[id(argument)])
             else:
                 inputs.append(f"{name}/{number}")
                 self._gate(inputs[-1], argument, place, inside or name)
+                self._made[id(argument)] = inputs[-1]
         with at(place):
             self.draft.add(Gate(name, kind, tuple(inputs), k if kind == "vote" else None, inside=inside), place)
 
@@ -281,7 +287,7 @@ def to_aralia(tree: FaultTree) -> str:
     for event in tree.events:
         if event.probability is not None:
             lines.append(f"p({_written(event.name)}) = {event.probability};")
-        elif event.formula is not None:
+        elif event.rate_per_hour is not None or event.expression is not None:
             raise TreeError(
                 f'basic event "{event.name}" has a rate or an expression, Aralia text holds probabilities only; '
                 "write MEF or JSON",

@@ -21,7 +21,7 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Any
+from typing import Any, NamedTuple
 
 from safety.trees.behaviour import UnknownFrequency
 from safety.trees.mission import Mission
@@ -30,6 +30,8 @@ from safety.trees.safety_levels import Level, level
 
 AT_ONCE = 4096  # points evaluated in one pass
 COARSE, FINE = 16, 24  # points of the two rules of an estimate
+FIRST, LATER = 2**20, 2**10  # how much shorter than a stretch between tests the time constants may be, if unknown
+LEAST_DIFFERENCE = 1e-11  # relative, for the rounding of an estimate
 
 
 @dataclass(frozen=True)
@@ -110,8 +112,17 @@ def averages(mission: Mission) -> Averages:
     )
 
 
-@dataclass
-class _Total:
+class _Sum(NamedTuple):
+    """Integrals by a set of rules, without their errors: of Q, of w, and of Q times the frequency of all events."""
+
+    down: float
+    failures: float
+    shaken: float
+    points: int
+    unknown: str
+
+
+class _Total(NamedTuple):
     """The integrals of Q and of w."""
 
     down: Bounds
@@ -121,35 +132,38 @@ class _Total:
 
 
 def _certified(mission: Mission, ends: Sequence[Fraction]) -> _Total:
+    """With the errors of the rules and of rounding.
+
+    A derivative B_i, of error epsilon (P1 + P0) = epsilon (B_i + 2 P0) with P0 <= Q, makes for one of w of
+    epsilon (w + 2 Q times the frequency of all events).
+    """
     panels = list(_panels(mission, ends))
     middles = mission.solution.many(mission.columns([(panel.base, panel.middle) for panel in panels]))
     scale = math.fsum(q * panel.width for q, panel in zip(middles, panels, strict=True)) / float(mission.time_h)
     events = mission.changing.values()
     rates = 2 * sum(float(event.scale * event.failure_rate) for event in events)
-    total = _sum(mission, [r for p in panels for r in rules(events, p, scale, rates * float(mission.time_h))])
-    cut, epsilon = total.down.high - total.down.low, 2 * rounding(mission.solution, len(ends))
-    middle = total.down.low
-    total.down = Bounds(max(0.0, middle * (1 - epsilon) - cut), middle * (1 + epsilon) + cut)
-    if total.failures is not None:
-        middle = total.failures.low
-        lost = epsilon * (middle + rates * total.down.high) + rates * cut
-        total.failures = Bounds(max(0.0, middle - lost), middle + lost)
-    return total
+    given = [rule for panel in panels for rule in rules(events, panel, scale, rates * float(mission.time_h))]
+    found = _sum(mission, given)
+    cut, epsilon = math.fsum(rule.cut for rule in given), 2 * rounding(mission.solution, len(ends))
+    failures = None
+    if not found.unknown:
+        failures = _around(found.failures, epsilon * (found.failures + 2 * found.shaken) + rates * cut)
+    return _Total(_around(found.down, epsilon * found.down + cut), failures, found.points, found.unknown)
 
 
 def _estimated(mission: Mission, ends: Sequence[Fraction]) -> _Total:
     panels = list(_panels(mission, ends))
     coarse, fine = (_sum(mission, [Rule(panel, n, 0.0) for panel in panels]) for n in (COARSE, FINE))
-    fine.down = _spread(coarse.down, fine.down)
-    if coarse.failures is not None and fine.failures is not None:
-        fine.failures = _spread(coarse.failures, fine.failures)
-    fine.points += coarse.points
-    return fine
+
+    def between(one: float, other: float) -> Bounds:
+        return _around(other, 10 * abs(other - one) + LEAST_DIFFERENCE * other)
+
+    failures = None if fine.unknown else between(coarse.failures, fine.failures)
+    return _Total(between(coarse.down, fine.down), failures, coarse.points + fine.points, fine.unknown)
 
 
-def _spread(coarse: Bounds, fine: Bounds) -> Bounds:
-    difference = 10 * abs(fine.low - coarse.low)
-    return Bounds(max(0.0, fine.low - difference), fine.low + difference)
+def _around(middle: float, error: float) -> Bounds:
+    return Bounds(max(0.0, middle - error), middle + error)
 
 
 def _panels(mission: Mission, ends: Sequence[Fraction]) -> Iterator[Panel]:
@@ -158,26 +172,27 @@ def _panels(mission: Mission, ends: Sequence[Fraction]) -> Iterator[Panel]:
     for end in ends:
         length = float(end - base)
         paces = [float(event.pace) for event in mission.changing.values() if event.piece(end)[0] == base or not base]
+        if not all(event.is_bounded for event in mission.changing.values()):
+            paces.append((LATER if base else FIRST) / length)
         yield from doubling(base, length, 1 / max((pace for pace in paces if pace), default=1 / length))
         base = end
 
 
-def _sum(mission: Mission, given: Sequence[Rule]) -> _Total:
-    """Both integrals by the rules given: the sum, and the sum plus all that the rules cut off for Q."""
-    down: list[float] = []
-    failures: list[float] = []
+def _sum(mission: Mission, given: Sequence[Rule]) -> _Sum:
+    sums: tuple[list[float], list[float], list[float]] = [], [], []
     agenda = [place for rule in given for place in rule.places()]
     unknown = ""
     for first in range(0, len(agenda), AT_ONCE):
         places, weights = zip(*agenda[first : first + AT_ONCE], strict=True)
-        try:
-            if unknown:
-                raise UnknownFrequency(unknown)
-            values, frequencies = mission.occurrences(places)
-            failures += map(float.__mul__, weights, frequencies)
-        except UnknownFrequency as error:
-            unknown, values = str(error), list(mission.solution.many(mission.columns(places)))
-        down += map(float.__mul__, weights, values)
-    whole, cut = math.fsum(down), math.fsum(rule.cut for rule in given)
-    failed = math.fsum(failures)
-    return _Total(Bounds(whole, whole + cut), None if unknown else Bounds(failed, failed), len(agenda), unknown)
+        if not unknown:
+            try:
+                down, failures, events = mission.occurrences(places)
+            except UnknownFrequency as error:
+                unknown = str(error)
+        if unknown:
+            down, failures, events = list(mission.solution.many(mission.columns(places))), [], []
+        sums[0].extend(w * q for w, q in zip(weights, down, strict=True))
+        sums[1].extend(map(float.__mul__, weights, failures))
+        sums[2].extend(w * q * f for w, q, f in zip(weights, down, events, strict=bool(events)))
+    whole, failed, shaken = map(math.fsum, sums)
+    return _Sum(whole, failed, shaken, len(agenda), unknown)

@@ -232,7 +232,9 @@ class Expressed:
 
     def down(self, hours: float) -> float:
         """Probability to be down at a time."""
-        return min(1.0, max(0.0, float(self.scale) * self.expression.value(Fraction(hours))))
+        value = float(self.scale) * self.expression.value(Fraction(hours))
+        inside = min(1.0, max(0.0, value))
+        return inside if math.isclose(value, inside, rel_tol=1e-12, abs_tol=1e-15) else value  # else refused by `many`
 
     def failures(self, hours: float) -> float:
         """Failures per hour. Raises UnknownFrequency where the expression does not tell failures from repairs."""

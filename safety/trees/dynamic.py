@@ -1,7 +1,7 @@
 """Dynamic fault trees: what a `FaultTree` cannot say, as the order of failures and spare parts matter.
 
-Meaning, which agrees with that of the tool Storm wherever both give a result (M. Volk, S. Junges, J.-P. Katoen,
-"Fast Dynamic Fault Tree Analysis by Model Checking Techniques", IEEE Trans. Industrial Informatics 14, 2018):
+Meaning (after M. Volk, S. Junges, J.-P. Katoen, "Fast Dynamic Fault Tree Analysis by Model Checking Techniques", IEEE
+Trans. Industrial Informatics 14, 2018):
 
 Time. Nothing is repaired. An active event fails at its rate, a dormant one at rate x dormancy. An event with a
 `probability` is present from time 0 with that probability, or never; all such events fail in one instant.
@@ -23,6 +23,11 @@ mutex. At most one input fails: a step in which a second fails is not possible.
 What these rules leave open is the order of simultaneous dependents, and which of two spare gates that lose their units
 in one step is first to claim. Where that changes the result, there is no one result: it is refused (or, if asked for,
 taken in the order written).
+
+Storm 2.0 gives the same results but in five corners. It takes exclusive for inclusive; fails a spare gate whose unit in
+use cannot fail any more when one in reserve does; keeps a unit active as a whole that shares an event with the rest of
+the tree; decides a seq over gates with common events by the order in which it looks at them; and, unless told that all
+elements are relevant, stops looking at what has failed even where that would go on to claim units or to trigger.
 """
 
 from __future__ import annotations

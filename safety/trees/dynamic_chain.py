@@ -19,12 +19,15 @@ import numpy as np
 
 from safety.rates.enclosure import INFINITE, Enclosure
 from safety.rates.exceptions import NumericsFailed
+from safety.rates.exponential import transient_by_exponential
+from safety.rates.markov import Chain
 from safety.rates.numeric import MOST_STEPS, Poisson
 from safety.trees.dynamic_states import Cause, States
 from safety.trees.tree import Rational, TreeError, exact
 
 EXACT_TRANSITIONS = 20_000  # largest chain that is solved in rationals unasked
 HALF_ULP = 2.0**-53
+STIFF_STATES, STIFF_STEPS = 120, 20_000
 MARGIN = 1.25  # of the uniformisation rate over the fastest state, so that staying has a chance above 1/5
 SPLIT = 2.0**26
 TINY = Fraction(1, 10**300)
@@ -90,8 +93,9 @@ class FailureChain:
     def probabilities(self, times: Sequence[Rational]) -> list[Enclosure]:
         """Probability that the top has failed by each of `times` (hours), in one pass over the longest.
 
-        The relative error is about 1e-14 x the fastest rate x time. Raises TreeError for a negative time and
-        NumericsFailed above MOST_STEPS steps.
+        The relative error is about 1e-14 x the fastest rate x time, or 1e-14 of a chain of up to STIFF_STATES states
+        whose fastest rate x time is beyond STIFF_STEPS. Raises TreeError for a negative time, NumericsFailed above
+        MOST_STEPS steps.
         """
         ends = [exact(time, "time") for time in times]
         if any(end < 0 for end in ends):
@@ -102,14 +106,37 @@ class FailureChain:
         fastest = Fraction(float(self.exit.max()) * MARGIN)
         if fastest == 0:
             return [Enclosure.exactly(at_once)] * len(ends)
-        if fastest * max(ends, default=Fraction(0)) > MOST_STEPS:
+        most = MOST_STEPS if self.states.count > STIFF_STATES else STIFF_STEPS
+        poissons = {end: Poisson(fastest * end) for end in ends if 0 < fastest * end <= most}
+        share, left = self._shares(float(fastest), max((p.last for p in poissons.values()), default=0))
+        return [
+            Enclosure.exactly(at_once)
+            if end == 0
+            else self._mixed(poissons[end], share, left)
+            if end in poissons
+            else self._by_matrix(end)
+            for end in ends
+        ]
+
+    def _by_matrix(self, end: Fraction) -> Enclosure:
+        """The same by the exponential of the whole matrix in balls, for rates that are far apart."""
+        count, failed = self.states.count, str(self.states.failed)
+        if count > STIFF_STATES:
             raise NumericsFailed(
-                f"{float(fastest * max(ends)):.1e} steps are too many (fastest state {float(self.exit.max()):.3g} per "
-                f"hour, {float(max(ends)):.3g} h); ask for a shorter time, or treat the fastest events as instantaneous"
+                f"rates up to {float(self.exit.max()):.3g} per hour take too many steps for {float(end):.3g} h and "
+                f"{count} states (beyond {STIFF_STATES}); ask for a shorter time, or treat the fastest events as "
+                "instantaneous"
             )
-        poissons = [Poisson(fastest * end) if fastest * end else None for end in ends]
-        share, left = self._shares(float(fastest), max((p.last for p in poissons if p), default=0))
-        return [Enclosure.exactly(at_once) if p is None else self._mixed(p, share, left) for p in poissons]
+        rates: dict[tuple[str, str], Fraction] = {}
+        for source, target, cause in zip(self.source, self.target, self._cause, strict=True):
+            between = str(source), str(target)
+            rates[between] = rates.get(between, Fraction(0)) + self.rates[cause]
+        names = [str(state) for state in range(count)]
+        low = high = Fraction(0)
+        for state, chance in self.states.start.items():
+            found = transient_by_exponential(Chain(str(state), rates, names), end).probability[failed]
+            low, high = low + chance * Fraction(found.low), high + chance * Fraction(found.high)
+        return Enclosure(low, min(Fraction(1), high))
 
     def _shares(self, fastest: float, last: int) -> tuple[Any, float]:
         """The share that has failed after 0, 1, 2, ... jumps, up to `last` or until nothing moves; what still moves."""

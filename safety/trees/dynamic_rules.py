@@ -19,6 +19,7 @@ from safety.trees.tree import TreeError
 OPEN, FAILED, NEVER, GONE = range(4)  # may still fail; has failed; cannot fail any more; does not matter any more
 Columns = Any  # array (rows of a state, number of states) of uint8
 Mask = Any  # array (number of states,) of bool
+MOST_UNITS = 255  # of a spare gate, as a state is made of bytes
 REMEDY = "write the order into the tree, or pass ties='as written'"
 
 
@@ -55,6 +56,13 @@ class Rules:
         self.top = self.row[tree.top]
         self.gates = [Rule(gate, self.row[gate.name], self._rows(gate.inputs)) for gate in tree.inputs_first]
         self.spares = [rule for rule in self.gates if rule.gate.kind == "spare"]
+        for rule in self.spares:
+            if len(rule.inputs) > MOST_UNITS:
+                raise TreeError(
+                    f'spare gate "{rule.gate.name}" has {len(rule.inputs)} inputs, expected at most {MOST_UNITS}; '
+                    "use several gates",
+                    rule.gate.name,
+                )
         self.dependents = sorted({self.row[d] for dependency in tree.dependencies for d in dependency.dependents})
         units = sorted({row for rule in self.spares for row in rule.inputs})
         self.on = {row: self.elements + len(self.spares) + at for at, row in enumerate(units)}

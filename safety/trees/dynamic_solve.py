@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from array import array
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from functools import cached_property, partial
+from typing import TypeAlias
 
 from safety.rates.enclosure import INFINITE, Enclosure
 from safety.trees.dynamic import DynamicTree, TimedEvent
@@ -14,10 +16,11 @@ from safety.trees.dynamic_chain import HALF_ULP, FailureChain
 from safety.trees.dynamic_modules import Part, parts, whole
 from safety.trees.dynamic_states import BUDGET, States, explore
 from safety.trees.solve import Solution, solve
-from safety.trees.tree import BasicEvent, FaultTree, Rational, TreeError, exact
+from safety.trees.tree import FaultTree, Rational, TreeError, exact
 
 EXACT_NODES = 20_000  # largest diagram that is evaluated in rationals
-CHANCE_ERROR = 8 * HALF_ULP  # of 1 - exp(-rate x time) in doubles, relative
+CHANCE_ERROR = 12 * HALF_ULP  # of 1 - exp(-rate x time) in doubles, relative
+Ends: TypeAlias = "tuple[array[float], array[float]]"  # the least and the largest values of one figure at some times
 
 
 class DynamicSolution:
@@ -32,7 +35,7 @@ class DynamicSolution:
         found: tuple[Part, ...],
         chains: Mapping[str, States],
         diagrams: Mapping[str, Solution],
-        search: Callable[[DynamicTree], States],
+        search: Callable[..., States],
         rates: Mapping[str, Rational],
     ) -> None:
         self.tree, self.parts, self.states, self.diagrams = tree, found, chains, diagrams
@@ -72,43 +75,45 @@ class DynamicSolution:
         times = [exact(time, "time") for time in times_h]
         if any(time < 0 for time in times):
             raise TreeError(f"time is {min(times)} h, expected 0 or more")
+        hours = [float(time) for time in times]
         known: dict[str, list[Enclosure]] = {}
         for part in self.parts:
             if part.static is None:
                 known[part.name] = self.chains[part.name].probabilities(times)
             else:
-                rows = [known.get(e.name) or [self._chance(e.name, t) for t in times] for e in part.static.events]
+                names = [event.name for event in part.static.events]
+                rows = [_ends(known[name]) if name in known else self._chances(name, hours) for name in names]
                 known[part.name] = self._joined(part.name, rows)
         return known
 
-    def _chance(self, name: str, time: Fraction) -> Enclosure:
+    def _chances(self, name: str, hours: Sequence[float]) -> Ends:
+        """The least and the largest probabilities of an event by these times."""
         event = self.tree.nodes[name]
         assert isinstance(event, TimedEvent)
         if event.probability is not None:
-            return Enclosure.exactly(event.probability)
-        chance = BasicEvent(name, rate_per_hour=self._rate(event), mission_time_h=time).chance
-        assert chance is not None
-        middle = Fraction(chance[0])
-        error = middle * Fraction(CHANCE_ERROR)
-        return Enclosure(middle - error, min(Fraction(1), middle + error))
+            return _ends([Enclosure.exactly(event.probability)] * len(hours))
+        rate = float(self.rate(event))
+        middles = [-math.expm1(-rate * time) for time in hours]
+        low, high = 1 - CHANCE_ERROR, 1 + CHANCE_ERROR
+        return array("d", [p * low for p in middles]), array("d", [min(1.0, p * high) for p in middles])
 
-    def _rate(self, event: TimedEvent) -> Fraction:
+    def rate(self, event: TimedEvent) -> Fraction:
+        """Its failure rate per hour, 0 where it has a fixed probability."""
         rate = self.rates.get(event.name, event.rate_per_hour)
         return exact(rate if rate is not None else 0, f'rate of event "{event.name}"', event.name)
 
-    def _joined(self, name: str, rows: list[list[Enclosure]]) -> list[Enclosure]:
+    def _joined(self, name: str, rows: Sequence[Ends]) -> list[Enclosure]:
         """The top of a diagram, which is monotone: lowest from the lowest, highest from the highest."""
         solution = self.diagrams[name]
-        ends = [array("d", [float(one.low) for one in row] + [float(one.high) for one in row]) for row in rows]
         columns = array("d")
-        for row in ends:
-            columns += row
+        for low, high in rows:
+            columns += low + high
         values = solution.many(columns)
         error = Fraction(1.01 * HALF_ULP * 5 * (1 + sum(len(part.order) for part in solution.parts)))
         half = len(values) // 2
         return [
-            Enclosure(Fraction(low) * (1 - error), min(Fraction(1), Fraction(high) * (1 + error)))
-            for low, high in zip(values[:half], values[half:], strict=True)
+            Enclosure(Fraction(least) * (1 - error), min(Fraction(1), Fraction(most) * (1 + error)))
+            for least, most in zip(values[:half], values[half:], strict=True)
         ]
 
     @cached_property
@@ -120,13 +125,15 @@ class DynamicSolution:
                 known[part.name] = self.chains[part.name].ever
                 continue
             rows = [known.get(event.name) or self._ever(event.name) for event in part.static.events]
-            known[part.name] = self._ever_exact(part, rows) or self._joined(part.name, [[row] for row in rows])[0]
+            known[part.name] = (
+                self._ever_exact(part, rows) or self._joined(part.name, [_ends([row]) for row in rows])[0]
+            )
         return known[self.tree.top]
 
     def _ever(self, name: str) -> Enclosure:
         event = self.tree.nodes[name]
         assert isinstance(event, TimedEvent)
-        chance = event.probability if event.probability is not None else Fraction(self._rate(event) > 0)
+        chance = event.probability if event.probability is not None else Fraction(self.rate(event) > 0)
         return Enclosure.exactly(chance)
 
     def _ever_exact(self, part: Part, rows: list[Enclosure]) -> Enclosure | None:
@@ -137,22 +144,17 @@ class DynamicSolution:
         value = solve(replace(part.static, events=tuple(events))).exact
         return None if value is None else Enclosure.exactly(value)
 
-    @cached_property
-    def mean_time(self) -> Enclosure:
+    def mean_time(self, budget: int = BUDGET) -> Enclosure:
         """Mean time until the top fails, in hours; infinite where it may never fail.
 
         Of the whole tree as one chain, as the parts' means do not add up. Raises TooLarge when that has more states
-        than the budget.
+        than `budget`.
         """
         if self.ever.high < 1:
             return Enclosure.exactly(INFINITE)
         if len(self.parts) == 1 and self.parts[0].static is None:
             return self.chains[self.parts[0].name].mean_time
-        return FailureChain(self._whole, self.rates).mean_time
-
-    @cached_property
-    def _whole(self) -> States:
-        return self._search(whole(self.tree))
+        return FailureChain(self._search(whole(self.tree), budget=budget), self.rates).mean_time
 
 
 def solve_dynamic(
@@ -180,9 +182,17 @@ def joined_tree(solution: DynamicSolution, time_h: Rational) -> FaultTree | None
     if top.static is None:
         return None
     time = exact(time_h, "time")
-    known = solution.curves([time])
-    events = []
+    known, events = solution.curves([time]), []
     for event in top.static.events:
-        chance = known[event.name][0] if event.name in known else solution._chance(event.name, time)
-        events.append(replace(event, probability=Fraction(chance.middle)))
+        node = solution.tree.nodes.get(event.name)
+        if event.name in known:
+            events.append(replace(event, probability=Fraction(known[event.name][0].middle)))
+        elif isinstance(node, TimedEvent) and node.probability is not None:
+            events.append(replace(event, probability=node.probability))
+        elif isinstance(node, TimedEvent):
+            events.append(replace(event, rate_per_hour=solution.rate(node), mission_time_h=time))
     return replace(top.static, events=tuple(events))
+
+
+def _ends(found: Sequence[Enclosure]) -> Ends:
+    return array("d", [float(one.low) for one in found]), array("d", [float(one.high) for one in found])

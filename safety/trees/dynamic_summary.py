@@ -8,15 +8,18 @@ from fractions import Fraction
 from typing import Any
 
 from safety.rates.enclosure import INFINITE, Enclosure, Extended
+from safety.rates.exceptions import NumericsFailed
 from safety.trees.dynamic import DynamicTree
-from safety.trees.dynamic_solve import DynamicSolution, joined_tree, solve_dynamic
+from safety.trees.dynamic_mean import bounded_mean_time
 from safety.trees.dynamic_sequences import LONGEST, cut_sequences
+from safety.trees.dynamic_solve import DynamicSolution, joined_tree, solve_dynamic
 from safety.trees.galileo import to_galileo
 from safety.trees.solve import TooLarge, solve
 from safety.trees.summary import LISTED, cut_set_rows, plain
 from safety.trees.tree import Rational, TreeError, exact
 
 POINTS = 20  # of the curve, evenly spread over the mission time
+MEAN_BUDGET = 20_000  # states of the whole tree as one chain, for the mean time
 SHOWN = 10  # cut sequences of a part, in the text
 EXACT_DIGITS = 200  # longest exact rational written out
 
@@ -113,9 +116,13 @@ def _sequences(tree: DynamicTree) -> dict[str, Any]:
 
 def _mean_time(solution: DynamicSolution) -> dict[str, Any]:
     try:
-        return _figure(solution.mean_time)
+        return _figure(solution.mean_time(MEAN_BUDGET))
     except TooLarge as error:
-        return _figure(None) | {"why_not": str(error)}
+        why_not = {"why_not": str(error)}
+    try:
+        return _figure(bounded_mean_time(solution)) | {"value": None} | why_not
+    except NumericsFailed:
+        return _figure(None) | why_not
 
 
 def _figure(found: Enclosure | None) -> dict[str, Any]:
@@ -147,8 +154,7 @@ def dynamic_lines(entry: dict[str, Any]) -> list[str]:
     dynamic = entry["dynamic"]
     mean, ever = dynamic["mean_time_h"], dynamic["ever"]
     lines = [f"dynamic: {', '.join(dynamic['elements']) or 'nothing'}"]
-    value = "may never fail" if mean["value"] == "inf" else mean.get("why_not") or f"{mean['value']:.6g} h"
-    lines.append(f"mean time to failure: {value}" + (f" (exactly {mean['exact']})" if mean["exact"] else ""))
+    lines.append("mean time to failure: " + _told(mean))
     lines.append(f"ever fails with probability {ever['value']:.6g}")
     for part in dynamic["parts"]:
         chance = part["probability"]["value"]
@@ -163,10 +169,19 @@ def dynamic_lines(entry: dict[str, Any]) -> list[str]:
     return lines
 
 
+def _told(mean: dict[str, Any]) -> str:
+    if mean["value"] == "inf":
+        return "infinite, as the top may never fail"
+    if mean["value"] is not None:
+        return f"{mean['value']:.6g} h" + (f" (exactly {mean['exact']})" if mean["exact"] else "")
+    known = "not known" if mean["low"] is None else f"between {mean['low']:.6g} and {mean['high']:.6g} h"
+    return f"{known} ({mean['why_not']})"
+
+
 def _order(one: dict[str, Any]) -> str:
     """In words: which events, and which orders of them, make the part fail."""
     if len(one["events"]) < 2:
         return one["events"][0] if one["events"] else "(no failure needed)"
     if one["any_order"]:
         return " & ".join(one["events"])
-    return " or ".join(", then ".join(order) for order in one["orders"])
+    return "; or ".join(", then ".join(order) for order in one["orders"])

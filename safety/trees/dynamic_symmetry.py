@@ -1,8 +1,8 @@
 """Equal parts of a dynamic tree that may change places: states that differ only in that are one state.
 
-Two inputs of an and, or or vote gate are interchangeable when exchanging them, with all below, gives the same tree back
-(the same gates, rates, dependencies, restrictions). Sorting such parts in every state keeps the chain exact, as long as
-events that may change places have the same rate.
+Two inputs of an and, or or vote gate are interchangeable when exchanging them, with all below and what triggers it,
+gives the same tree back (the same gates, rates, dependencies, restrictions). Sorting such parts in every state keeps
+the chain exact, as long as events that may change places have the same rate.
 """
 
 from __future__ import annotations
@@ -93,7 +93,17 @@ def _matched(tree: DynamicTree, one: str, other: str) -> dict[str, str] | None:
         elif isinstance(here, DynamicGate) or isinstance(there, DynamicGate) or _figures(here) != _figures(there):
             return None
         pairs[a] = b
+        around = _tied(tree, a), _tied(tree, b)
+        if len(around[0]) != len(around[1]):
+            return None
+        agenda += zip(*around, strict=True)
     return pairs
+
+
+def _tied(tree: DynamicTree, name: str) -> list[str]:
+    """What triggers `name`, and what it triggers, in the order written."""
+    triggers = [d.trigger for d in tree.dependencies if name in d.dependents]
+    return triggers + [one for d in tree.dependencies if d.trigger == name for one in d.dependents]
 
 
 def _in_order(tree: DynamicTree, gate: DynamicGate) -> list[str]:

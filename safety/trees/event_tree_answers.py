@@ -9,7 +9,8 @@ different expressions are added up, as alternatives of each other.
 
 That the paths exclude each other and leave nothing out is not assumed but checked. Without expressions the check is
 logical: "two of the paths at once" and "none of the paths" must be impossible, whatever the probabilities. With and
-without, the probabilities of the sequences must add up to 1, that is their frequencies to that of the initiating event.
+without, the probabilities of the sequences must add up to 1, that is their frequencies to that of the initiating event
+(with substitutions, which take cases out, to what these leave).
 """
 
 from __future__ import annotations
@@ -51,6 +52,12 @@ class Figure:
     def value(self) -> float:
         """The number, or the middle of what encloses it."""
         return (self.within.low + self.within.high) / 2 if self.exact is None else float(self.exact)
+
+    def may_be(self, other: Figure) -> bool:
+        """Whether the two can be the same number: whether they are, if both are known."""
+        if self.exact is not None and other.exact is not None:
+            return self.exact == other.exact
+        return self.within.low <= other.within.high and other.within.low <= self.within.high
 
     def __mul__(self, other: Figure) -> Figure:
         if self.exact is not None and other.exact is not None:
@@ -123,10 +130,11 @@ class EventTreeAnswer:
     sequences: Mapping[str, SequenceAnswer]  # in the order in which the paths first reach them
     overlap: Solution | None  # "two paths at once"; None with expressions, or where it is too large
     gap: Solution | None  # "none of the paths", likewise
+    whole: Figure | None = ONE  # the probability of anything at all: less than 1 where substitutions take cases out
 
     @cached_property
     def total(self) -> Figure | None:
-        """The sum over all sequences: 1 for a partition."""
+        """The sum over all sequences: `whole` for a partition."""
         figures = [sequence.probability for sequence in self.sequences.values()]
         known = [figure for figure in figures if figure is not None]
         return reduce(Figure.__add__, known, NOTHING) if len(known) == len(figures) else None
@@ -139,11 +147,9 @@ class EventTreeAnswer:
             found.append("two of its paths can be taken at once")
         if self.gap is not None and _possible(self.gap):
             found.append("there are cases in which none of its paths is taken")
-        total = self.total
-        if total is not None and not (
-            total.within.low <= 1 <= total.within.high if total.exact is None else total.exact == 1
-        ):
-            found.append(f"the probabilities of its sequences add up to {total.value:.9g}, not to 1")
+        total, whole = self.total, self.whole
+        if total is not None and whole is not None and not total.may_be(whole):
+            found.append(f"the probabilities of its sequences add up to {total.value:.9g}, not to {whole.value:.9g}")
         return tuple(found)
 
     @property
@@ -169,22 +175,27 @@ def analyse(study: Study, initiating: InitiatingEvent, house: Mapping[str, bool]
     sequences = {name: _sequence(name, paths, formulas, study) for name, paths in by_sequence(walked).items()}
     logical = not any(course.expressions for course in walked)
     frequency = None if initiating.frequency is None else _value((initiating.frequency,), study)
+    whole = formulas.whole()
     return EventTreeAnswer(
         initiating,
         frequency,
         sequences,
         _solved(formulas.overlap(walked)) if logical else None,
         _solved(formulas.gap(walked)) if logical else None,
+        ONE if whole is None else Part(ONE, solve(whole)).probability,
     )
 
 
-def consequences(answers: Iterable[EventTreeAnswer]) -> dict[str, Figure | None]:
-    """The frequency of each sequence over all initiating events; None where one of these has none."""
+def consequences(answers: Iterable[tuple[EventTreeAnswer, Fraction]]) -> dict[str, Figure | None]:
+    """The frequency of each sequence over all initiating events; None where one of these has none.
+
+    Each answer comes with the fraction of the time for which it holds.
+    """
     result: dict[str, Figure | None] = {}
-    for answer in answers:
+    for answer, fraction in answers:
         for name in answer.sequences:
             one, before = answer.frequency_of(name), result.get(name, NOTHING)
-            result[name] = None if one is None or before is None else before + one
+            result[name] = None if one is None or before is None else before + one * Figure.of(fraction)
     return result
 
 

@@ -47,6 +47,15 @@ class Formulas:
         tree = self.study.quantified(top, gates=gates.values(), house=self.house)
         return replace(tree, name=name, description=description)
 
+    def whole(self) -> FaultTree | None:
+        """The fault tree "anything at all", where substitutions take cases out of it; None if there are none."""
+        if not any(one.declarative for one in self.study.substitutions):
+            return None
+        event = self.study.events[0].name
+        other, top = self._free(f"not {event}", self.gates), self._free("anything", self.gates)
+        gates = (*self.gates.values(), Gate(other, "not", (event,)), Gate(top, "or", (event, other)))
+        return self.study.quantified(top, gates=gates, house=self.house)
+
     def overlap(self, courses: Sequence[Course]) -> FaultTree:
         """The fault tree "two of `courses` at once", from the formulas alone: no substitution, no common cause."""
         bound = [inputs for course in courses if (inputs := self.inputs(course))]

@@ -3,33 +3,49 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping
+from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
 from safety.trees.event_tree_answers import EventTreeAnswer, Figure, SequenceAnswer, analyse, consequences
 from safety.trees.summary import EXACT_BITS, LISTED, cut_set_rows, plain
 
 if TYPE_CHECKING:
-    from safety.trees.study import Study
+    from safety.trees.study import Phase, Study
 
 
-def event_tree_entries(
-    study: Study, *, source: str = "", house: Mapping[str, bool] | None = None, listed: int = LISTED
-) -> list[dict[str, Any]]:
+def event_tree_entries(study: Study, *, source: str = "", listed: int = LISTED) -> list[dict[str, Any]]:
     """Analyse every initiating event of `study` that starts an event tree, and give its entry.
 
-    "probability" is that of a sequence given the initiating event, "frequency" the same times its frequency (in the
-    unit of that, None where there is none). "partition" is whether the sequences share out all that can happen, None
-    where that is not known, and "wrong" says what speaks against it. Figures lie between their "_low" and "_high"
-    whatever the rounding. Raises TreeError, TooLarge.
+    With alignments there is one entry for each of their phases, and the frequency over all initiating events is the
+    mean over the phases of an alignment. "probability" is that of a sequence given the initiating event, "frequency"
+    the same times its frequency (in the unit of that, None where there is none). "partition" is whether the sequences
+    share out all that can happen, None where that is not known, and "wrong" says what speaks against it. Figures lie
+    between their "_low" and "_high" whatever the rounding. Raises TreeError, TooLarge.
     """
+    if not study.alignments:
+        return _entries(study, source, listed, ("", ()))
+    return [
+        entry
+        for alignment in study.alignments
+        for entry in _entries(study, source, listed, (alignment.name, alignment.phases))
+    ]
+
+
+def _entries(study: Study, source: str, listed: int, alignment: tuple[str, tuple[Phase, ...]]) -> list[dict[str, Any]]:
+    name, phases = alignment
     entries, answers = [], []
-    for initiating in study.initiating_events:
-        if initiating.event_tree:
-            started = time.perf_counter()
-            answers.append(analyse(study, initiating, house))
-            entries.append(_entry(answers[-1], study, source, listed))
-            entries[-1]["seconds"] = {"total": time.perf_counter() - started}
+    for phase in phases or (None,):
+        for initiating in study.initiating_events:
+            if initiating.event_tree:
+                started = time.perf_counter()
+                answer = analyse(study, initiating, dict(phase.house) if phase else None)
+                entry = _entry(answer, study, source, listed)
+                if phase:
+                    entry["id"] += f", {name}, {phase.name}"
+                    entry |= {"alignment": name, "phase": phase.name, "time_fraction": float(phase.fraction)}
+                entry["seconds"] = {"total": time.perf_counter() - started}
+                entries.append(entry)
+                answers.append((answer, phase.fraction if phase else Fraction(1)))
     everywhere = consequences(answers)
     for entry in entries:
         for sequence in entry["sequences"]:
@@ -49,6 +65,7 @@ def _entry(answer: EventTreeAnswer, study: Study, source: str, listed: int) -> d
         "functional_events": [{"id": one.name, "description": one.description} for one in tree.functional_events],
         "sequences": [_sequence(answer, one, listed) for one in answer.sequences.values()],
         **_figure("total", answer.total),
+        "whole": None if answer.whole is None else answer.whole.value,
         "partition": answer.is_partition,
         "wrong": list(answer.wrong),
     }

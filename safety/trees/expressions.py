@@ -27,6 +27,7 @@ DOMAINS = {
     "more than 0 and less than 1": lambda x: (x > 0) & (x < 1),
     "1 or more": lambda x: x >= 1,
 }
+DEEPEST = 100  # levels of expressions in one another, parameters included
 Domains = tuple[tuple[str, str], ...]  # for each argument its name and one of DOMAINS
 
 
@@ -40,7 +41,7 @@ class Expression:
     tag: str = ""
     domains: ClassVar[Mapping[int, Domains]] = {}  # by number of arguments; empty: not checked here
     is_certain = True  # whether no distribution stands in it
-    __slots__ = ("_hash", "arguments", "mean", "uses_mission_time")
+    __slots__ = ("_hash", "arguments", "depth", "mean", "uses_mission_time")
 
     def __init__(self, *arguments: Expression | Rational) -> None:
         self.arguments = tuple(a if isinstance(a, Expression) else Constant(a) for a in arguments)
@@ -52,6 +53,9 @@ class Expression:
         self._finish()
 
     def _finish(self) -> None:
+        self.depth: int = 1 + max((a.depth for a in self.arguments), default=0)
+        if self.depth > DEEPEST:
+            raise TreeError(f"<{self.tag}> stands above {self.depth} levels of expressions, at most {DEEPEST} are read")
         self.uses_mission_time: bool = any(a.uses_mission_time for a in self.arguments)
         self._hash = hash((self.tag, self._key(), self.arguments))
         self.mean: float | None = None  # the value, where it needs no mission time

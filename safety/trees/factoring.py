@@ -24,6 +24,7 @@ from math import comb
 from typing import NamedTuple
 
 WORTH = 3  # sets with a part from which on dividing by it can save a gate
+READABLE = 2000  # sets that hang together without modules; more are listed as they are, as nobody reads them
 
 
 class Factor(NamedTuple):
@@ -99,36 +100,42 @@ class _Quotient:
         self.parts, self.family = parts, family
 
     def formula(self) -> Factor:
-        while self._contract_alike(True) or self._contract_alike(False) or self._contract_votes():
-            pass
-        return _join("or", [self._connected(component) for component in _components(self.family)])
+        """The family as a formula."""
+        alternatives: list[Factor] = []
+        left = [self]
+        while left:
+            quotient = left.pop()
+            while quotient._contract_alike(True) or quotient._contract_alike(False) or quotient._contract_votes():
+                pass
+            for component in _components(quotient.family):
+                found, rest = quotient._divided(component)
+                alternatives += found
+                if rest:
+                    left.append(quotient._within(rest))
+        return _join("or", alternatives)
 
-    def _connected(self, family: set[int]) -> Factor:
-        """The formula of a family without modules that can be contracted, all of whose sets hang together."""
+    def _divided(self, family: set[int]) -> tuple[list[Factor], set[int]]:
+        """Formulas for some sets of a family that hangs together and has no modules left, and its other sets.
+
+        The parts common to all sets are taken out; else the one that most sets have, if that saves a gate; else each
+        set stays as it is.
+        """
         common = -1
         for one in family:
             common &= one
-        if common:
-            rest = {one ^ common for one in family}
-            inner = [] if rest == {0} else [self._within(rest)]
-            return _join("and", [*(self.parts[i] for i in _members(common)), *inner])
-        plain = _join("or", [self._and(one) for one in family])
-        divided = self._divided(family)
-        return divided if divided.gates < plain.gates else plain
+        if not common and len(family) <= READABLE:
+            counts = Counter(i for one in family for i in _members(one))
+            common = 1 << min(counts, key=lambda i: (-counts[i], min(self.parts[i].events)))
+        sharing = {one for one in family if common and one & common == common}
+        if len(sharing) >= WORTH or sharing == family:
+            inner = [self._within({one ^ common for one in sharing}).formula()] if sharing != {common} else []
+            formula = _join("and", [*(self.parts[i] for i in _members(common)), *inner])
+            if sharing == family or formula.gates < len(sharing) + sum(self.parts[i].gates for i in _members(common)):
+                return [formula], family - sharing
+        return [self._and(one) for one in family], set()
 
-    def _divided(self, family: set[int]) -> Factor:
-        """x g + h, with the part x that most sets have; h likewise, as long as it is worth it."""
-        counts = Counter(i for one in family for i in _members(one))
-        part, times = min(counts.items(), key=lambda item: (-item[1], min(self.parts[item[0]].events)))
-        if times < WORTH:
-            return _join("or", [self._and(one) for one in family])
-        bit = 1 << part
-        quotient = self._within({one ^ bit for one in family if one & bit})
-        rest = {one for one in family if not one & bit}
-        return _join("or", [_join("and", [self.parts[part], quotient]), *([self._within(rest)] if rest else [])])
-
-    def _within(self, family: set[int]) -> Factor:
-        return _Quotient({i: self.parts[i] for i in _members_of_any(family)}, family).formula()
+    def _within(self, family: set[int]) -> _Quotient:
+        return _Quotient({i: self.parts[i] for i in _members_of_any(family)}, family)
 
     def _and(self, one: int) -> Factor:
         return _join("and", [self.parts[i] for i in _members(one)])
@@ -219,12 +226,13 @@ def _members_of_any(family: Iterable[int]) -> list[int]:
 
 def _components(family: set[int]) -> list[set[int]]:
     """The family divided into parts that have no member in common."""
-    found: list[tuple[int, set[int]]] = []
-    for one in sorted(family):
-        apart = [(mask, sets) for mask, sets in found if not mask & one]
-        mask, sets = one, {one}
-        for other, more in found:
-            if other & one:
-                mask, sets = mask | other, sets | more
-        found = [*apart, (mask, sets)]
-    return [sets for _, sets in found]
+    masks: list[int] = []
+    for one in family:
+        apart = []
+        for mask in masks:
+            if mask & one:
+                one |= mask
+            else:
+                apart.append(mask)
+        masks = [*apart, one]
+    return [{one for one in family if one & mask} for mask in sorted(masks)] if len(masks) > 1 else [family]

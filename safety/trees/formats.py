@@ -121,7 +121,7 @@ def write(tree: FaultTree | Study, path: Path) -> None:
 
     Raises TreeError for what the format cannot hold, OSError.
     """
-    written = text(tree, os.path.splitext(os.fspath(path))[1])
+    written = text(tree, os.path.splitext(os.fspath(path))[1].lower())
     try:
         content = written.encode()
     except UnicodeEncodeError as error:

@@ -7,9 +7,9 @@ A statement ends with ";", lines come in any order, names may stand in quotes, /
     "P1" lambda=1e-4 dorm=0.5;              "Alarm" prob=0.01;                  "Line" seq "P1" "P2";
 
 Gates: and, or, KofN (also votK), pand, por (-inc and -excl), wsp, csp, hsp, spare, inhibit. Then fdep, pdep=p, seq,
-mutex, whose own output is a dummy: as an input of a gate it is left out, as Storm does. Rates are per hour. `dorm` is 1
-unless said, but 0 for what a csp keeps in reserve. What the project cannot solve (repair, Weibull, replication,
-coverage) is refused by name.
+mutex, whose own output is a dummy: as an input of a gate it is left out, as Storm does. A top that is an event gets a
+gate of its own. Rates are per hour. `dorm` is 1 unless said, but 0 for what a csp keeps in reserve. What the project
+cannot solve (repair, Weibull, replication, coverage) is refused by name.
 """
 
 from __future__ import annotations
@@ -38,8 +38,11 @@ ORDERED = {
 KNOWN = f"and, or, inhibit, 2of3, vot2, {', '.join([*ORDERED, *SPARES])}, fdep, pdep=0.5, seq, mutex"
 NEUTRAL = {  # attributes that only their neutral value leaves solvable
     "repair": (0, "repair is not supported here, failures are for good; model repaired equipment as a Markov chain"),
-    "cov": (1, "imperfect coverage is not supported; write the uncovered part as an event of its own"),
-    "res": (0, "recovery from transient faults is not supported; reduce lambda by that share"),
+    "cov": (
+        1,
+        "imperfect coverage is not supported; leave cov= out, or write the uncovered part as an event of its own",
+    ),
+    "res": (0, "recovery from transient faults is not supported; leave res= out, or reduce lambda by that share"),
     "spd": (0, "single-point shares are not supported; write that part as an event of its own"),
     "repl": (1, "replication is not supported; write each copy as an event of its own"),
     "phases": (1, "Erlang times are not supported; chain events with a cold spare gate"),
@@ -139,6 +142,8 @@ class _Reader:
             self.line = 1
             self.fail('no top is named; add a statement such as: toplevel "System";')
         self.leave_out_dummies()
+        if any(event.name == self.top for event in self.events):
+            self.top = self.gate_over(self.top)
         try:
             self.set_reserve()
             return DynamicTree(
@@ -273,6 +278,14 @@ class _Reader:
         self.events.append(
             TimedEvent(name, figures.get("lambda"), figures.get("prob"), figures.get("dorm", Fraction(1)))
         )
+
+    def gate_over(self, event: str) -> str:
+        """A gate for a top that is an event, as a tree has a gate on top."""
+        name = f"{event} (top)"
+        while name in self.lines:
+            name += "'"
+        self.gates.append(DynamicGate(name, "or", (event,)))
+        return name
 
     def leave_out_dummies(self) -> None:
         dummies = {dependency.name for dependency in self.dependencies} | {r.name for r in self.restrictions}

@@ -24,13 +24,16 @@ from __future__ import annotations
 
 import math
 from array import array
-from collections.abc import Iterable
+from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import asdict, dataclass, replace
 from fractions import Fraction
 from typing import Any
 
-from safety.trees.solve import solve
+from safety.trees.solve import BUDGETS, TooLarge, solve
 from safety.trees.tree import BasicEvent, FaultTree, Gate, TreeError
+
+AT_ONCE = 16  # gates that share a diagram, unless it grows too large
+SHARED_BUDGETS = (20_000, 200_000, 1_000_000)  # nodes
 
 
 @dataclass(frozen=True)
@@ -51,16 +54,27 @@ class GateImportance:
 def importance_of_gates(tree: FaultTree, gates: Iterable[str] | None = None) -> dict[str, GateImportance]:
     """The measures of `gates`, by default of all that were given a name and that the top reaches.
 
-    Two or three diagrams are built for each. Raises TreeError (a name that is no gate, an event below the top without
-    a probability) and TooLarge.
+    For each few gates three diagrams are built, with events that choose a gate and hold it. Raises TreeError (a name
+    that is no gate, an event below the top without a probability) and TooLarge.
     """
-    reached = {gate.name: gate for gate in tree.inputs_first}
-    wanted = [name for name, gate in reached.items() if not gate.inside] if gates is None else list(gates)
+    wanted = [gate.name for gate in tree.inputs_first if not gate.inside] if gates is None else list(gates)
     for name in wanted:
         if not isinstance(tree.nodes.get(name), Gate):
             raise TreeError(f'fault tree "{tree.name}" has no gate "{name}"; name one of its gates', name)
-    top = _probability(tree)
-    return {name: _measures(tree, name, top) for name in wanted}
+    top = solve(tree).probability
+    if top is None:
+        unknown = next(event.name for event in tree.events if event.chance is None)
+        raise TreeError(
+            f'basic event "{unknown}" has no probability, so gates have no importance; give it one', unknown
+        )
+    others = [name for name in wanted if name != tree.top]
+    held: dict[str, Sequence[float]] = {tree.top: (1.0, 0.0)}
+    seen: dict[str, Sequence[float]] = {tree.top: (top, top)}
+    for first in range(0, len(others), AT_ONCE):
+        some = others[first : first + AT_ONCE]
+        held |= _together(_held, tree, some)
+        seen |= _together(_seen, tree, some)
+    return {name: _measures(name, top, *held[name], *seen[name]) for name in wanted}
 
 
 def plain(measures: GateImportance) -> dict[str, Any]:
@@ -68,23 +82,18 @@ def plain(measures: GateImportance) -> dict[str, Any]:
     return {key: "inf" if value == math.inf else value for key, value in asdict(measures).items()}
 
 
-def _measures(tree: FaultTree, gate: str, top: float) -> GateImportance:
-    q = _probability(_below(tree, gate))
-    if gate == tree.top:
-        held_true, held_false, both = 1.0, 0.0, q
-    else:
-        rest = _without(tree, gate)
-        held_true, held_false = _held(rest, gate)
-        both = q * held_true if _alone(tree, gate, rest) else _probability(_conjunction(tree, gate))
+def _measures(
+    gate: str, top: float, held_true: float, held_false: float, probability: float, both: float
+) -> GateImportance:
     birnbaum = held_true - held_false
-    given = both / q if q else None
+    given = both / probability if probability else None
     if top == 0:
-        return GateImportance(gate, q, birnbaum, None, None, None, None, None, given)
+        return GateImportance(gate, probability, birnbaum, None, None, None, None, None, given)
     return GateImportance(
         gate,
-        q,
+        probability,
         birnbaum,
-        criticality=q * birnbaum / top,
+        criticality=probability * birnbaum / top,
         fussell_vesely=(top - held_false) / top,
         diagnostic=both / top,
         risk_achievement_worth=held_true / top,
@@ -93,60 +102,91 @@ def _measures(tree: FaultTree, gate: str, top: float) -> GateImportance:
     )
 
 
-def _probability(tree: FaultTree) -> float:
-    probability = solve(tree).probability
-    if probability is None:
-        unknown = next(event.name for event in tree.events if event.chance is None)
-        raise TreeError(
-            f'basic event "{unknown}" has no probability, so gates have no importance; give it one', unknown
-        )
-    return probability
+Pairs = dict[str, Sequence[float]]  # two figures for each gate
 
 
-def _below(tree: FaultTree, top: str) -> FaultTree:
-    """The tree with another top, and only what that reaches."""
-    other = replace(tree, top=top)
-    reached = other.inputs_first
-    used = {name for gate in reached for name in gate.inputs}
-    return replace(
-        other,
-        gates=reached,
-        events=tuple(event for event in tree.events if event.name in used),
-        house_events=tuple(house for house in tree.house_events if house.name in used),
+def _together(
+    ask: Callable[[FaultTree, Sequence[str], Sequence[int]], Pairs], tree: FaultTree, gates: Sequence[str]
+) -> Pairs:
+    """What is asked of all gates in one diagram, or in more where that would be too large. Raises TooLarge."""
+    if len(gates) == 1:
+        return ask(tree, gates, BUDGETS)
+    try:
+        return ask(tree, gates, SHARED_BUDGETS)
+    except TooLarge:
+        middle = len(gates) // 2
+        return _together(ask, tree, gates[:middle]) | _together(ask, tree, gates[middle:])
+
+
+def _held(tree: FaultTree, gates: Sequence[str], budgets: Sequence[int]) -> Pairs:
+    """P1 and P0: each gate becomes "(itself or one event) and another event", which are false and true unless held."""
+    own, either, yes, no = (_fresh(tree, mark) for mark in ("own ", "either ", "true ", "not false "))
+    changed: list[Gate] = []
+    for gate in tree.gates:
+        name = gate.name
+        if name in gates:
+            changed += [
+                replace(gate, name=own + name),
+                Gate(either + name, "or", (own + name, yes + name)),
+                Gate(name, "and", (either + name, no + name)),
+            ]
+        else:
+            changed.append(gate)
+    choices = {mark + name: (mark == yes, name) for name in gates for mark in (yes, no)}
+    columns = [(state, name) for name in gates for state in (True, False)]
+
+    def chosen(event: str, column: tuple[bool, str]) -> bool:
+        state, name = column
+        holds, of = choices[event]
+        return (state and name == of) if holds else (state or name != of)
+
+    more = replace(tree, gates=tuple(changed), events=(*tree.events, *map(_choice, choices)))
+    found = _asked(more, choices, columns, chosen, budgets)
+    return {name: found[2 * n : 2 * n + 2] for n, name in enumerate(gates)}
+
+
+def _seen(tree: FaultTree, gates: Sequence[str], budgets: Sequence[int]) -> Pairs:
+    """P(gate) and P(gate and top): the gate is chosen by an event."""
+    chosen, this, one, both = (_fresh(tree, mark) for mark in ("chosen ", "this ", "one", "both"))
+    choosing = [Gate(this + name, "and", (chosen + name, name)) for name in gates]
+    chosen_gate = Gate(one, "or", tuple(gate.name for gate in choosing))
+    choices = {chosen + name: name for name in gates}
+    more = replace(
+        tree,
+        gates=(*tree.gates, *choosing, chosen_gate, Gate(both, "and", (one, tree.top))),
+        events=(*tree.events, *map(_choice, choices)),
     )
-
-
-def _without(tree: FaultTree, gate: str) -> FaultTree:
-    """The tree with a basic event in place of the gate."""
-    return _below(
-        replace(
-            tree,
-            gates=tuple(other for other in tree.gates if other.name != gate),
-            events=(*tree.events, BasicEvent(gate, Fraction(1, 2))),
-        ),
-        tree.top,
+    alone, with_top = (
+        _asked(replace(more, top=top), choices, gates, lambda event, name: choices[event] == name, budgets)
+        for top in (one, both)
     )
+    return {name: pair for name, *pair in zip(gates, alone, with_top, strict=True)}
 
 
-def _held(rest: FaultTree, gate: str) -> tuple[float, float]:
-    """The probability of the top when the event that stands for the gate is true, and when it is false."""
-    columns = array("d")
-    for event in rest.events:
-        chance = event.chance
-        assert chance is not None, "the tree has a probability, so all of its events have"
-        columns.extend((1.0, 0.0) if event.name == gate else (chance[0], chance[0]))
-    held_true, held_false = solve(rest).many(columns)
-    return held_true, held_false
+def _asked(
+    tree: FaultTree,
+    choices: Collection[str],
+    columns: Sequence[Any],
+    chosen: Callable[[str, Any], bool],
+    budgets: Sequence[int],
+) -> list[float]:
+    """The probability of the top by column, where the events in `choices` are true or false."""
+    values = array("d")
+    for event in tree.events:
+        if event.name in choices:
+            values.extend(float(chosen(event.name, column)) for column in columns)
+        else:
+            chance = event.chance or (0.0, 1.0)  # unknown only where the top does not reach
+            values.extend([chance[0]] * len(columns))
+    return list(solve(tree, budgets).many(values))
 
 
-def _alone(tree: FaultTree, gate: str, rest: FaultTree) -> bool:
-    """Whether no event below the gate is one of the rest of the tree."""
-    return {event.name for event in _below(tree, gate).events}.isdisjoint(event.name for event in rest.events)
+def _choice(name: str) -> BasicEvent:
+    return BasicEvent(name, Fraction(1, 2))
 
 
-def _conjunction(tree: FaultTree, gate: str) -> FaultTree:
-    """The tree whose top is "gate and top"."""
-    both = "both"
-    while both in tree.nodes:
-        both += "'"
-    return replace(tree, gates=(*tree.gates, Gate(both, "and", (gate, tree.top))), top=both)
+def _fresh(tree: FaultTree, mark: str) -> str:
+    """The mark, or one like it, with which no name of the tree begins."""
+    while any(name.startswith(mark) for name in tree.nodes):
+        mark = "another " + mark
+    return mark

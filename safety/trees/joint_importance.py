@@ -25,6 +25,8 @@ from dataclasses import dataclass
 from safety.trees.solve import Solution
 from safety.trees.tree import TreeError
 
+CANCELLED = 1e-12  # a sum so small beside its terms is rounding
+
 
 @dataclass(frozen=True)
 class Joint:
@@ -89,7 +91,9 @@ def differential_importance(solution: Solution, groups: Iterable[Collection[str]
 
 def _part(change: dict[str, float], group: Iterable[str]) -> float | None:
     whole = math.fsum(change.values())
-    return math.fsum(change.get(name, 0.0) for name in group) / whole if whole else None
+    if abs(whole) <= CANCELLED * math.fsum(map(abs, change.values())):
+        return None
+    return math.fsum(change.get(name, 0.0) for name in group) / whole
 
 
 def _check(solution: Solution, names: Iterable[str]) -> None:

@@ -107,10 +107,12 @@ def read_json(text: bytes, file: str, mission_time_h: Fraction | None = None) ->
     """
     try:
         content = text.decode("utf-8-sig")
-        document = json.loads(content, parse_float=str, parse_constant=str)
+        document = json.loads(content, parse_float=str, parse_constant=str, object_pairs_hook=_object)
     except json.JSONDecodeError as error:
         message = f"not JSON ({error.msg}, column {error.colno}); correct it there"
         raise TreeError(message, place=f"{file}:{error.lineno}") from None
+    except TreeError as error:
+        raise error.at(file) from None
     except ValueError as error:
         raise TreeError(f"{file}: not JSON in UTF-8 ({error}); correct it") from None
 
@@ -129,7 +131,7 @@ def read_json(text: bytes, file: str, mission_time_h: Fraction | None = None) ->
         from safety.trees.json_study import Parts
 
         with at(f"{file}:1"):
-            parts = Parts(document, f"{file}:1")
+            parts = Parts(document, f"{file}:1", places)
         draft.parts, expression = parts.found, parts.expression
         draft.tops, draft.tree_names = draft.parts.pop("tops", ()), draft.parts.pop("tree_names", {})
     for section, (node, keys) in ENTRIES.items():
@@ -143,6 +145,15 @@ def read_json(text: bytes, file: str, mission_time_h: Fraction | None = None) ->
                     entry["expression"] = expression(entry["expression"])
                 draft.add(node(**entry), where)
     return draft
+
+
+def _object(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    found = dict(pairs)
+    if len(found) < len(pairs):
+        keys = [key for key, _ in pairs]
+        twice = next(key for key in keys if keys.count(key) > 1)
+        raise TreeError(f'the key "{twice}" stands twice in an object, beside {json.dumps(keys)[:80]}; remove one')
+    return found
 
 
 def _has_expression(entry: object) -> bool:

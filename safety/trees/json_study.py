@@ -30,7 +30,6 @@ SECTIONS = {
     "initiating_events": event_trees.InitiatingEvent,
     "event_trees": event_trees.EventTree,
 }
-
 NAMES = {"Expression": Expression, "Factor": Union[Expression, Rational], "Rational": Rational}  # noqa: UP007
 
 
@@ -94,8 +93,8 @@ def _alternatives() -> frozenset[type]:
 class Parts:
     """The parts of a study in a JSON document. Raises TreeError."""
 
-    def __init__(self, document: dict[str, Any], place: str) -> None:
-        self._place = place
+    def __init__(self, document: dict[str, Any], place: str, places: Mapping[str, str]) -> None:
+        self._place, self._start, self._places = place, place, places  # of what has a name
         self._written: dict[str, dict[str, Any]] = {}
         self._made: dict[str, Parameter] = {}
         self._open: list[str] = []
@@ -107,17 +106,22 @@ class Parts:
             if entry["name"] in self._written:
                 raise self._error(f'parameter "{entry["name"]}" is defined twice; rename or remove one')
             self._written[entry["name"]] = entry
-        self.found: dict[str, Any] = {
-            section: tuple(self._part(entry, kind, section) for entry in document[section])
-            for section, kind in SECTIONS.items()
-            if section in document
-        }
+        self.found: dict[str, Any] = {}
+        for section in SECTIONS:
+            if section in document:
+                self.found[section] = tuple(self._named(entry, section) for entry in document[section])
+        self._place = place
         if self._written:
             self.found["parameters"] = {name: self.parameter(name) for name in self._written}
         if "tops" in document:
             self.found["tops"] = self._part(document["tops"], tuple[str, ...], "tops")
         if "tree_names" in document:
             self.found["tree_names"] = self._part(document["tree_names"], Mapping[str, str], "tree_names")
+
+    def _named(self, entry: Any, section: str) -> Any:
+        if isinstance(entry, dict):
+            self._place = self._places.get(str(entry.get("name")), self._start)
+        return self._part(entry, SECTIONS[section], section)
 
     def expression(self, entry: Any) -> Expression:
         """The expression that a JSON value stands for."""
@@ -157,13 +161,12 @@ class Parts:
     def _part(self, entry: Any, hint: Any, what: str) -> Any:
         """The value of type `hint` that a JSON value stands for."""
         kinds = get_args(hint) if get_origin(hint) in (Union, types.UnionType) else (hint,)
-        for kind in kinds:
-            if kind in (str, bool, type(None)) and type(entry) is kind:
-                return entry
         if Expression in kinds and isinstance(entry, dict):
             return self.expression(entry)
         if Fraction in kinds and isinstance(entry, str | int) and not isinstance(entry, bool):
             return exact(entry, what)
+        if type(entry) in kinds and isinstance(entry, str | bool | None):
+            return entry
         origin, inner = get_origin(hint), get_args(hint)
         if origin is tuple and isinstance(entry, list):
             each = [inner[0]] * len(entry) if inner[-1] is ... else inner

@@ -18,16 +18,16 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Any
 
-from safety.trees.behaviour import ONE, ZERO, Relaxing
+from safety.trees.behaviour import ZERO, Relaxing
 from safety.trees.mission import CAUSES, Mission
 from safety.trees.quadrature import TOLERANCE, Bounds, doubling, rounding, rules
 from safety.trees.solve import Solution, solve
 from safety.trees.tree import BasicEvent, FaultTree, Gate, TreeError
 
 MOST_TERMS = 3_000  # of a sum of exponentials
-MOST_PRODUCTS = 300_000  # of terms, in all
+MOST_WORK = 500_000  # terms added or multiplied, in all
 
-Terms = dict[Fraction, Fraction]  # coefficients by rate
+Terms = dict[int, Any]  # coefficients by rate
 
 
 @dataclass(frozen=True)
@@ -120,25 +120,31 @@ class _TooLong(Exception):
 
 def _exact(solution: Solution, events: list[Relaxing]) -> Fraction | None:
     """The integral of the reliability, None where it has too many terms."""
+    sums = _Sums(math.lcm(*(event.pace.denominator for event in events)))
     try:
-        unreliability = _Sums().top(solution, [_terms(event) for event in events])
+        unreliability = sums.top(solution, [sums.terms(event) for event in events])
     except _TooLong:
         return None
-    return sum((-c / rate for rate, c in unreliability.items() if rate), ZERO)
-
-
-def _terms(event: Relaxing) -> Terms:
-    result = {ZERO: event.scale * event.limit}
-    if event.varies:
-        result[event.pace] = event.scale * (event.start - event.limit)
-    return result
+    total = sum((-c / rate for rate, c in unreliability.items() if rate), sums.zero)
+    return Fraction(int(total.p), int(total.q)) * sums.unit
 
 
 class _Sums:
-    """Sums of exponentials through the diagrams."""
+    """Sums of exponentials through the diagrams: rationals of FLINT by rate, a whole number of 1 / `unit` per hour."""
 
-    def __init__(self) -> None:
-        self.products = 0
+    def __init__(self, unit: int) -> None:
+        from flint import fmpq
+
+        self.spent, self.unit, self.zero, self.rational = 0, unit, fmpq(0), fmpq
+        self.one: Terms = {0: fmpq(1)}
+
+    def terms(self, event: Relaxing) -> Terms:
+        """The unavailability of an event."""
+        limit, change = event.scale * event.limit, event.scale * (event.start - event.limit)
+        result = {0: self.rational(*limit.as_integer_ratio())}
+        if event.varies:
+            result[int(event.pace * self.unit)] = self.rational(*change.as_integer_ratio())
+        return result
 
     def top(self, solution: Solution, events: list[Terms]) -> Terms:
         """That of the top event."""
@@ -146,19 +152,20 @@ class _Sums:
         for part in solution.parts:
             diagram = part.diagram
             level, high, low = list(diagram.level), list(diagram.high), list(diagram.low)
-            edge: list[Terms] = [{ZERO: ONE}, {}]
+            edge: list[Terms] = [self.one, {}]
             for i in range(1, diagram.nodes):
                 q, otherwise = chance[part.order[level[i]]], edge[low[i]]
                 value = self.plus(otherwise, self.times(q, self.plus(edge[high[i]], otherwise, -1)))
-                edge += [value, self.plus({ZERO: ONE}, value, -1)]
+                edge += [value, self.plus(self.one, value, -1)]
             chance[part.number] = edge[diagram.root]
         return chance[solution.parts[-1].number]
 
     def plus(self, a: Terms, b: Terms, sign: int = 1) -> Terms:
-        """a + b or a - b."""
+        """a + b or a - b. Raises _TooLong."""
+        self._spend(len(b))
         result = dict(a)
         for rate, c in b.items():
-            total = result.get(rate, ZERO) + sign * c
+            total = result.get(rate, self.zero) + sign * c
             if total:
                 result[rate] = total
             else:
@@ -167,14 +174,19 @@ class _Sums:
 
     def times(self, a: Terms, b: Terms) -> Terms:
         """a b. Raises _TooLong."""
-        self.products += len(a) * len(b)
+        self._spend(len(a) * len(b))
         result: Terms = {}
         for x, c in a.items():
             for y, d in b.items():
-                result[x + y] = result.get(x + y, ZERO) + c * d
-        if len(result) > MOST_TERMS or self.products > MOST_PRODUCTS:
+                result[x + y] = result.get(x + y, self.zero) + c * d
+        if len(result) > MOST_TERMS:
             raise _TooLong
         return result
+
+    def _spend(self, terms: int) -> None:
+        self.spent += terms
+        if self.spent > MOST_WORK:
+            raise _TooLong
 
 
 # --- by quadrature ----------------------------------------------------------------------------------------------------

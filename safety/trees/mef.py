@@ -17,17 +17,7 @@ from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
 from safety.trees.draft import Draft, at, roots
-from safety.trees.mef_elements import (
-    ANNOTATIONS,
-    NUMBERS,
-    Attributes,
-    attributes,
-    content,
-    description,
-    only,
-    truth,
-    whole,
-)
+from safety.trees.mef_elements import ANNOTATIONS, NUMBERS, Attributes, content, description, only, parts, truth, whole
 from safety.trees.tree import TAGS, BasicEvent, Gate, HouseEvent, TreeError, exact
 from safety.trees.xml_elements import Element
 
@@ -61,6 +51,7 @@ KINDS = {
 NEGATED = ("nand", "nor", "iff")
 OF_TWO = ("xor", "iff", "imply")  # programs disagree on what these mean over more
 LIMITS = {"atleast": {"min"}, "cardinality": {"min", "max"}}
+MORE = {"define-fault-tree": {"name"}, "define-parameter": {"name", "role", "unit"}}  # attributes of definitions
 ROLES = {"public": False, "private": True}
 
 
@@ -93,7 +84,7 @@ class Names:
     def find(self, reference: str, scope: str, element: Element) -> str:
         """The definition that `reference` means inside `scope`; the reference itself if there is none."""
         if not self.any_private and reference in self.known:
-            return reference
+            return self.known[reference]
         found = {}
         for end in [0, *(place + 1 for place, letter in enumerate(scope) if letter == ".")]:
             if scope[:end] + reference in self.known:
@@ -116,6 +107,7 @@ class MefReader:
         self._study: list[tuple[Element, str]] = []
         self._meant: dict[str, dict[str, Element]] = {tag: {} for tag in REFERENCES}  # by kind, name: where it stands
         self._numbers: dict[str, Fraction] = {}
+        self._constants: set[str] = set()
         self._expressions: Expressions | None = None
         for root in documents:
             if root.tag != "opsa-mef":
@@ -150,11 +142,8 @@ class MefReader:
         for element in parent.children:
             tag = element.tag
             hidden = private
-            if "role" in element.attributes and (tag in EVENTS or tag in ("define-component", "define-parameter")):
-                role = element.attributes["role"]
-                if role not in ROLES:
-                    raise element.error(f'role="{role}" of <{tag}> is unknown, expected public or private; correct it')
-                hidden = ROLES[role]
+            if len(element.attributes) > 1 and tag not in STUDY:
+                hidden = _is_private(element, private)
             if tag in EVENTS:
                 name = self.names.define(element, scope, hidden)
                 self._events.append((element, name, scope))
@@ -249,7 +238,7 @@ class MefReader:
         elif tag in NEGATED:
             parts, kind = [formula.made(kind, *parts)], "not"
         elif tag == "cardinality":
-            parts = _cardinality(formula)
+            parts = _cardinality(formula, name)
         inputs = []
         for part in parts:
             if part.tag in REFERENCES:
@@ -266,9 +255,9 @@ class MefReader:
             raise error.at(formula.place) from None
 
     def _reference(self, element: Element, scope: str) -> str:
-        name = element.get("name")
-        if self.names.any_private or name not in self.names.known:
-            name = self.names.find(name, scope, element)
+        name = self.names.known.get(element.attributes.get("name", ""))
+        if name is None or self.names.any_private:
+            name = self.names.find(element.get("name"), scope, element)
         tag = element.tag
         if len(element.attributes) > 1:
             extra = dict(element.attributes)
@@ -291,10 +280,9 @@ class MefReader:
             "house-event": {house.name for house in draft.house_events},
         }
         for kind in defined:
-            for name in self._meant[kind].keys() - defined[kind]:
+            for name, element in self._meant[kind].items():
                 for other, names in defined.items():
-                    if name in names:
-                        element = self._meant[kind][name]
+                    if other != kind and name in names:
                         raise element.error(f'"{name}" is no {kind} but a {other}; refer to it by <{other}>')
 
     def _constant(self, element: Element) -> str:
@@ -303,7 +291,8 @@ class MefReader:
         name = str(state).lower()
         while name in self.names.known:
             name = f"constant {name}"
-        if all(house.name != name for house in self.draft.house_events):
+        if name not in self._constants:
+            self._constants.add(name)
             self.draft.add(HouseEvent(name, state), element.place)
         return name
 
@@ -331,9 +320,10 @@ class MefReader:
         return self.expressions.fields(expression, scope)
 
     def _house_event(self, element: Element, name: str) -> None:
-        constant = element.child("constant")
-        state = truth(constant) if constant else False
-        self.draft.add(HouseEvent(name, state, description(element), attributes(element)), element.place)
+        label, attributes, _ = content(element)
+        constant = parts(element, ("constant",), 0).get("constant")
+        state = constant is not None and truth(constant)
+        self.draft.add(HouseEvent(name, state, label, attributes), element.place)
 
     def number(self, element: Element) -> Fraction:
         """The value of <float> or <int>, exactly as written."""
@@ -341,7 +331,10 @@ class MefReader:
         if text not in self._numbers:
             with at(element.place):
                 self._numbers[text] = exact(text, f"<{element.tag}>")
-        return self._numbers[text]
+        number = self._numbers[text]
+        if element.tag == "int" and number.denominator > 1:
+            raise element.error(f"<int> is {text}, expected a whole number; write <float>")
+        return number
 
     @property
     def expressions(self) -> Expressions:
@@ -353,8 +346,25 @@ class MefReader:
         return self._expressions
 
 
-def _cardinality(formula: Element) -> list[Element]:
-    """Between min and max of the arguments: at least min of them, and not at least one more than max."""
+def _is_private(element: Element, inherited: bool) -> bool:
+    """Whether a definition is known in its container only."""
+    tag = element.tag
+    known = MORE.get(tag, {"name", "role"})
+    if unknown := element.attributes.keys() - known:
+        raise element.error(f'<{tag}> has the unknown attribute "{min(unknown)}"; remove it or correct its name')
+    if "role" not in element.attributes:
+        return inherited
+    role = element.attributes["role"]
+    if role not in ROLES:
+        raise element.error(f'role="{role}" of <{tag}> is unknown, expected public or private; correct it')
+    return ROLES[role]
+
+
+def _cardinality(formula: Element, name: str) -> list[Element]:
+    """Between min and max of the arguments: at least min of them, and not at least one more than max.
+
+    Formulas inside stand in the first of these only; the second refers to the gates that they become there.
+    """
     low, high, count = whole(formula, "min"), whole(formula, "max"), len(formula.children)
     if not low <= high <= count:
         raise formula.error(f'<cardinality> has min="{low}" and max="{high}" of {count} arguments; correct the limits')
@@ -365,6 +375,10 @@ def _cardinality(formula: Element) -> list[Element]:
     if high < count:
         more = formula.made("atleast", *formula.children)
         more.attributes = {"min": str(high + 1)}
+        for place, child in enumerate(formula.children if parts else (), 1):
+            if child.tag not in REFERENCES and child.tag != "constant":
+                more.children[place - 1] = child.made("gate")
+                more.children[place - 1].attributes = {"name": f"{name}/1/{place}"}
         parts.append(formula.made("not", more))
     if not parts:
         parts = [formula.made("constant")]

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from safety.trees.xml_elements import Element
 
 ANNOTATIONS = ("label", "attributes")
@@ -16,6 +18,24 @@ def content(element: Element) -> tuple[str, Attributes, list[Element]]:
     if len(children) == 1 and children[0].tag not in ANNOTATIONS:
         return "", (), children
     return description(element), attributes(element), [child for child in children if child.tag not in ANNOTATIONS]
+
+
+def parts(element: Element, known: Sequence[str], required: int) -> dict[str, Element]:
+    """What a definition holds, by tag, each of the tags in `known` once at most and the first `required` of them once.
+
+    Raises TreeError.
+    """
+    found: dict[str, Element] = {}
+    for child in content(element)[2]:
+        if child.tag not in known:
+            raise child.error(f"<{child.tag}> is not known in <{element.tag}>, expected {', '.join(known)}; remove it")
+        if child.tag in found:
+            raise child.error(f"<{child.tag}> stands in <{element.tag}> twice; remove one")
+        found[child.tag] = child
+    for tag in known[:required]:
+        if tag not in found:
+            raise element.error(f'<{element.tag}> "{element.attributes.get("name", "")}" has no <{tag}>; add it')
+    return found
 
 
 def only(element: Element, what: str) -> Element:

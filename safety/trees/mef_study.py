@@ -8,7 +8,7 @@ from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
 from safety.trees.draft import at
-from safety.trees.mef_elements import ANNOTATIONS, description, only, truth, whole
+from safety.trees.mef_elements import content, description, only, parts, truth, whole
 from safety.trees.study import Alignment, Phase
 from safety.trees.substitutions import Substitution
 from safety.trees.tree import BasicEvent, exact
@@ -24,7 +24,7 @@ EVENT_TREES = ("define-event-tree", "define-initiating-event", "define-rule")
 
 def read_study_elements(elements: Sequence[tuple[Element, str]], reader: MefReader) -> dict[str, Any]:
     """The fields of a Study that these elements (each with its scope) define. Raises TreeError with file and line."""
-    parts: dict[str, Any] = {}
+    found: dict[str, Any] = {}
     seen: dict[tuple[str, str], Element] = {}
     for element, scope in elements:
         key = element.tag, element.get("name")
@@ -35,30 +35,25 @@ def read_study_elements(elements: Sequence[tuple[Element, str]], reader: MefRead
         with at(element.place):
             match element.tag:
                 case "define-CCF-group":
-                    parts["ccf_groups"] = (*parts.get("ccf_groups", ()), _ccf_group(element, scope, reader))
+                    found["ccf_groups"] = (*found.get("ccf_groups", ()), _ccf_group(element, scope, reader))
                 case "define-substitution":
-                    parts["substitutions"] = (*parts.get("substitutions", ()), _substitution(element, reader))
+                    found["substitutions"] = (*found.get("substitutions", ()), _substitution(element, reader))
                 case "define-alignment":
-                    parts["alignments"] = (*parts.get("alignments", ()), _alignment(element, reader))
+                    found["alignments"] = (*found.get("alignments", ()), _alignment(element, reader))
     if trees := [element for element, _ in elements if element.tag in EVENT_TREES]:
         from safety.trees.mef_event_trees import read_event_trees
 
-        parts["initiating_events"], parts["event_trees"] = read_event_trees(trees, reader)
-    return parts
+        found["initiating_events"], found["event_trees"] = read_event_trees(trees, reader)
+    return found
 
 
 def _ccf_group(element: Element, scope: str, reader: MefReader) -> CcfGroup:
     from safety.trees.common_cause import CcfGroup
 
     model = element.get("model")
-    fields = {child.tag: child for child in element.children if child.tag not in ANNOTATIONS}
-    for tag in ("members", "distribution"):
-        if tag not in fields:
-            raise element.error(f'<define-CCF-group> "{element.get("name")}" has no <{tag}>; add it')
-    for tag in fields.keys() - {"members", "distribution", "factors", "factor"}:
-        raise fields[tag].error(f"<{tag}> is not known in <define-CCF-group>; remove it")
+    fields = parts(element, ("members", "distribution", "factors", "factor"), 2)
     members = tuple(reader.reference(member, scope, "basic-event") for member in fields["members"].children)
-    written = fields["factors"].children if "factors" in fields else [f for f in element.children if f.tag == "factor"]
+    written = fields["factors"].children if "factors" in fields else [fields["factor"]] if "factor" in fields else []
     factors: dict[int, Fraction | Expression] = {}
     first = 1 if model in ("alpha-factor", "phi-factor") else 2
     for place, factor in enumerate(written, len(members) if model == "beta-factor" else first):
@@ -103,31 +98,25 @@ def _number(expression: Expression) -> Fraction | Expression:
 
 def _substitution(element: Element, reader: MefReader) -> Substitution:
     name = element.get("name")
-    parts = {child.tag: child for child in element.children if child.tag not in ANNOTATIONS}
-    for tag in parts.keys() - {"hypothesis", "source", "target"}:
-        raise parts[tag].error(f"<{tag}> is not known in <define-substitution>; remove it")
-    for tag in ("hypothesis", "target"):
-        if tag not in parts:
-            raise element.error(f'<define-substitution> "{name}" has no <{tag}>; add it')
-    target = only(parts["target"], "a basic event or a constant")
+    fields = parts(element, ("hypothesis", "target", "source"), 2)
+    target = only(fields["target"], "a basic event or a constant")
+    sources = fields["source"].children if "source" in fields else []
     return Substitution(
         name,
-        reader.formula(only(parts["hypothesis"], "a formula"), f"{name}, hypothesis"),
+        reader.formula(only(fields["hypothesis"], "a formula"), f"{name}, hypothesis"),
         truth(target) if target.tag == "constant" else reader.reference(target, "", "basic-event"),
         element.attributes.get("type", ""),
-        tuple(reader.reference(event, "", "basic-event") for event in parts["source"].children)
-        if "source" in parts
-        else (),
+        tuple(reader.reference(event, "", "basic-event") for event in sources),
         description(element),
     )
 
 
 def _alignment(element: Element, reader: MefReader) -> Alignment:
     phases = []
-    for child in (child for child in element.children if child.tag not in ANNOTATIONS):
+    for child in content(element)[2]:
         if child.tag != "define-phase":
             raise child.error(f"<{child.tag}> is not known in <define-alignment>, expected <define-phase>; correct it")
-        house = tuple(reader.house(part) for part in child.children if part.tag not in ANNOTATIONS)
+        house = tuple(reader.house(part) for part in content(child)[2])
         fraction = exact(child.get("time-fraction"), f'time-fraction of phase "{child.get("name")}"')
         with at(child.place):
             phases.append(Phase(child.get("name"), fraction, house, description(child)))

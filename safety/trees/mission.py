@@ -20,7 +20,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 from safety.trees.behaviour import Behaviour, Piece, UnknownFrequency, behaviours, mission_time
 from safety.trees.solve import Solution, solve
@@ -49,6 +49,14 @@ class Curve:
             "intensity_per_h": None if self.intensity is None else list(self.intensity),
             "frequency_unknown": self.unknown or None,
         }
+
+
+class Occurrences(NamedTuple):
+    """At each of some places: Q, w, and the frequency of the events together, per hour."""
+
+    unavailability: list[float]
+    frequency: list[float]
+    events: list[float]
 
 
 class Mission:
@@ -83,21 +91,23 @@ class Mission:
         """The unavailability of each event at each place, a time and hours after it, row by row."""
         return self._rows(places, [_down] * len(self.events))
 
-    def occurrences(self, places: Sequence[tuple[Fraction, float]]) -> tuple[list[float], list[float]]:
-        """Q and w at each place. Raises UnknownFrequency."""
+    def occurrences(self, places: Sequence[tuple[Fraction, float]]) -> Occurrences:
+        """Q, w and the sum of the w_i at each place. Raises UnknownFrequency."""
         if not self.changing:
             raise UnknownFrequency("no event below the top event has a rate")
         columns = self.columns(places)
         slopes = self.solution.many_derivatives(columns)
         effects = [self.effects[name] if name in self.changing else 0 for name in self.solution.events]
         changes = self._rows(places, list(map(_change, self.solution.events, effects)))
-        count, frequency = len(places), [0.0] * len(places)
+        count = len(places)
+        frequency, events = [0.0] * count, [0.0] * count
         for row, effect in enumerate(effects):
             if effect:
                 first = row * count
                 for j in range(count):
                     frequency[j] += slopes[first + j] * changes[first + j]
-        return list(self.solution.many(columns)), frequency
+                    events[j] += changes[first + j]
+        return Occurrences(list(self.solution.many(columns)), frequency, events)
 
     def _rows(self, places: Sequence[tuple[Fraction, float]], ask: Sequence[Ask]) -> array[float]:
         """What is asked of each event at each place; places of one part between tests share their first element."""
@@ -144,7 +154,7 @@ class Mission:
             raise TreeError(f"a time of the curve is {float(min(times)):g} h, expected 0 or more; correct it")
         places = [(time, 0.0) for time in times]
         try:
-            unavailability, frequency = self.occurrences(places)
+            unavailability, frequency, _ = self.occurrences(places)
         except UnknownFrequency as error:
             return Curve(
                 tuple(map(float, times)), tuple(self.solution.many(self.columns(places))), None, None, str(error)

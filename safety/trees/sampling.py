@@ -24,12 +24,11 @@ from typing import Any
 import numpy as np
 
 from safety.trees.arithmetics import COMPARISONS, Doubles
+from safety.trees.correlation import Correlation, Vector
 from safety.trees.distributions import Distribution, standard_normal
 from safety.trees.expressions import Expression, Parameter
 from safety.trees.readings import NOTHING, Reading
 from safety.trees.tree import FaultTree, TreeError
-
-Vector = np.ndarray[Any, np.dtype[np.float64]]
 
 
 class Vectors(Doubles):
@@ -72,50 +71,6 @@ class Vectors(Doubles):
         if isinstance(condition, float):
             return super().choose(condition, then, other)
         return np.where(condition != 0, then(), other())
-
-
-@dataclass(frozen=True)
-class Correlation:
-    """Rank correlations (Spearman's) between random variables: a matrix over `names`, symmetric, with ones.
-
-    It is realised by the normal copula of correlations 2 sin(pi r / 6). Raises TreeError: no such matrix, or one that
-    is not positive semidefinite and so the correlation of nothing.
-    """
-
-    names: tuple[str, ...]
-    matrix: tuple[tuple[float, ...], ...]
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "names", tuple(self.names))
-        object.__setattr__(self, "matrix", tuple(tuple(float(x) for x in row) for row in self.matrix))
-        size = len(self.names)
-        if len(set(self.names)) != size or [len(row) for row in self.matrix] != [size] * size:
-            raise TreeError(
-                f"the correlation matrix has rows of {[len(row) for row in self.matrix]} numbers for {size} variables, "
-                "expected as many rows and columns as variables, each named once; correct it"
-            )
-        for i, row in enumerate(self.matrix):
-            for j, x in enumerate(row):
-                if not -1 <= x <= 1 or x != self.matrix[j][i] or (i == j and x != 1):
-                    raise TreeError(
-                        f'the correlation of "{self.names[i]}" and "{self.names[j]}" is {x} (the other way round '
-                        f"{self.matrix[j][i]}), expected -1 to 1, the same both ways, and 1 with itself; correct it"
-                    )
-        for what, values in (("matrix", np.array(self.matrix)), ("normal copula of the matrix", self._normal())):
-            least = float(np.linalg.eigvalsh(values)[0]) if size else 0.0
-            if least < -1e-12 * size:
-                raise TreeError(
-                    f"the {what} of rank correlations of {', '.join(self.names)} has the eigenvalue {least:.3g}, so no "
-                    "variables have these correlations; bring the largest ones nearer to 0"
-                )
-
-    def _normal(self) -> Vector:
-        return np.array(2 * np.sin(math.pi / 6 * np.array(self.matrix)))
-
-    def root(self) -> Vector:
-        """L with L L' the correlations of the normal copula."""
-        values, vectors = np.linalg.eigh(self._normal())
-        return np.array(vectors * np.sqrt(np.maximum(values, 0.0)))
 
 
 @dataclass(frozen=True)

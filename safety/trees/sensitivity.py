@@ -123,7 +123,7 @@ def tornado(
             """The cases of the variable at `path`."""
             mean = distribution.formula(self.arithmetic, *values)
             if path not in ends:
-                middle = [float(np.median(value)) for value in values]
+                middle = [argument.value(self.mission_time_h) for argument in distribution.arguments]
                 ends[path] = tuple(distribution.quantile(np.array(quantiles), *middle).tolist())
             return self._varied(path, mean)
 

@@ -18,7 +18,8 @@ from safety.trees.listing import Families
 from safety.trees.recursion import recursion_of
 from safety.trees.tree import HALF_ULP, FaultTree, TreeError
 
-BUDGETS = (20_000, 200_000, 2_000_000, 20_000_000)  # nodes; every order is tried with each before the next
+BUDGETS = (20_000, 200_000, 2_000_000, 25_000_000)  # nodes; orders are tried with each before the next
+KEPT = (None, None, 6, 3)  # orders tried with each budget: those that got furthest with the one before, and the first
 FAMILY_BUDGET = 40_000_000  # nodes of the diagram of cut sets
 CHUNK = 2048  # samples evaluated at once, a multiple of the kernel's block
 T = TypeVar("T", bound=Any)  # a number of any arithmetic
@@ -322,26 +323,31 @@ class _Parts:
 
     def _module(self, number: int, is_module: array[int], flip: int) -> Part:
         gates, _ = self.members.members(self.graph, number, is_module)
-        fresh, known = self.orders.orders(self.graph, number, is_module), []
-        for budget in self.budgets:
-            for order in itertools.chain(known, fresh):
-                if budget == self.budgets[0]:
-                    known.append(order)
-                diagram = self._built(gates, order, budget, flip)
-                if diagram is not None:
-                    return Part(number, order, diagram)
+        orders, usual = self.orders.orders(self.graph, number, is_module), None
+        for budget, kept in itertools.zip_longest(self.budgets, KEPT[: len(self.budgets)], fillvalue=KEPT[-1]):
+            tried: list[tuple[int, array[int]]] = []
+            for order in itertools.islice(orders, kept):
+                builder, root = self._built(gates, order, budget)
+                if root >= 0:
+                    return Part(number, order, builder.finish(root ^ flip))
+                tried.append((builder.done, order))
+            usual = usual or tried[0][1]
+            orders = [order for _, order in sorted(tried, key=lambda one: (-one[0], one[1] is not usual))]
+            orders.insert(1, orders.pop(next(i for i, order in enumerate(orders) if order is usual)))
         raise TooLarge(
-            f'fault tree "{self.tree.name}": a module of {len(gates)} gates over {len(known[0])} variables '
+            f'fault tree "{self.tree.name}": a module of {len(gates)} gates over {len(orders[0])} variables '
             f"needs more than {self.budgets[-1]} nodes in every order tried; split the tree, or pass larger budgets "
             "to solve()"
         )
 
-    def _built(self, gates: array[int], order: Sequence[int], budget: int, flip: int) -> Any | None:
+    def _built(self, gates: array[int], order: Sequence[int], budget: int) -> tuple[Any, int]:
+        """A builder and the root of the module in it, below 0 where it needs more than the budget."""
         builder = self.diagrams.Builder(len(order), budget)
         edge_of = array("i", bytes(4 * self.numbers))
         for level, number in enumerate(order):
             edge_of[number] = builder.variable(level)
+            if edge_of[number] < 0:
+                return builder, -1
         for number, constant in self.constants.items():
             edge_of[number] = constant
-        root = builder.build(self.graph, gates, edge_of)
-        return None if root < 0 else builder.finish(root ^ flip)
+        return builder, builder.build(self.graph, gates, edge_of)

@@ -154,6 +154,17 @@ class Study:
             tree = apply(tree, groups, {event.name for event in self.events})
         return tree
 
+    def in_phases(self, top: str | None = None) -> tuple[tuple[Alignment, Phase, FaultTree], ...]:
+        """The tree to quantify in each phase of each alignment; `quantified` once, if there is no alignment.
+
+        The mean of what is found over the phases of an alignment, weighted by their fractions, is that over the time.
+        """
+        return tuple(
+            (alignment, phase, self.quantified(top, house=dict(phase.house)))
+            for alignment in self.alignments or (Alignment("", (Phase("", Fraction(1)),)),)
+            for phase in alignment.phases
+        )
+
     def only_tree(self, top: str | None = None) -> FaultTree:
         """`quantified`, for a study that one fault tree can hold.
 

@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 
 from safety.trees.tree import FaultTree, Gate, HouseEvent, TreeError
 
+MOST = 100_000  # cut sets to which substitutions with sources are applied
 KINDS = ("", "delete-terms", "recovery-rule", "exchange-event")
 
 
@@ -83,15 +84,34 @@ def exchanged(tree: FaultTree, substitutions: Iterable[Substitution]) -> FaultTr
             f'gate "{negated[0]}" negates; substitutions with sources are rules on the cut sets of coherent trees only',
             negated[0],
         )
-    sets = {frozenset(cut_set) for cut_set in solve(tree).cut_sets()}
+    solution = solve(tree)
+    if sum(solution.counts) > MOST:
+        raise TreeError(
+            f'fault tree "{tree.name}" has {sum(solution.counts)} minimal cut sets, substitutions with sources are '
+            f"applied to at most {MOST}; state them without sources"
+        )
+    sets = {frozenset(cut_set) for cut_set in solution.cut_sets()}
     for one in substitutions:
         if not one.declarative:
             hypothesis = _condition(tree, one.hypothesis)
             sets = {_changed(cut_set, one) if hypothesis.occurs(cut_set) else cut_set for cut_set in sets}
-    minimal = [one for one in sets if not any(other < one for other in sets)]
+    minimal = _minimal(sets)
     used = set().union(*minimal)
     drawn = from_cut_sets(tree.top, minimal, [event for event in tree.events if event.name in used])
     return replace(drawn, name=tree.name, description=tree.description, mission_time_h=tree.mission_time_h)
+
+
+def _minimal(sets: Iterable[frozenset[str]]) -> list[frozenset[str]]:
+    """The sets that contain no other."""
+    kept: list[frozenset[str]] = []
+    beginning: dict[str, list[frozenset[str]]] = {}  # kept ones by their first event
+    for one in sorted(sets, key=lambda one: (len(one), sorted(one))):
+        if not one:
+            return [one]
+        if not any(other <= one for event in one for other in beginning.get(event, ())):
+            kept.append(one)
+            beginning.setdefault(min(one), []).append(one)
+    return kept
 
 
 def _changed(cut_set: frozenset[str], one: Substitution) -> frozenset[str]:

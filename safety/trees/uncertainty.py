@@ -21,7 +21,8 @@ from typing import Any
 
 import numpy as np
 
-from safety.trees.sampling import Columns, Draws, Plan, Vector, probabilities, variables
+from safety.trees.correlation import Vector
+from safety.trees.sampling import Columns, Draws, Plan, probabilities, variables
 from safety.trees.solve import Solution
 from safety.trees.tree import TreeError
 

@@ -76,11 +76,13 @@ def parse(text: bytes, file: str) -> Element:
     def characters(data: str) -> None:
         path[-1].text += data
 
-    def doctype(*_: object) -> None:
-        raise TreeError(
-            "a document type (<!DOCTYPE>) is not accepted, as it could define entities; remove it",
-            place=f"{file}:{parser.CurrentLineNumber}",
-        )
+    def doctype(name: str, system_id: str | None, public_id: str | None, has_subset: bool) -> None:
+        if system_id or public_id or has_subset:
+            raise TreeError(
+                f"the document type <!DOCTYPE {name} ...> is not accepted, as it could define entities; write no more "
+                f"than <!DOCTYPE {name}>",
+                place=f"{file}:{parser.CurrentLineNumber}",
+            )
 
     parser.StartElementHandler = start
     parser.EndElementHandler = end

@@ -7,8 +7,6 @@ import xml.etree.ElementTree as ET
 from fractions import Fraction
 from functools import cache
 
-from safety.trees import Gate
-
 SCRAM = shutil.which("scram")
 
 
@@ -96,7 +94,7 @@ def d4(tree):
     clauses = Clauses(tree)
     if abs(clauses.top) == clauses.true:
         return Fraction(clauses.top > 0)
-    weights, edges, kinds = clauses.weights(), {}, {}
+    edges, kinds = {}, {}
     for line in py_d4.Solver(clauses.found, clauses.variables).compile().getNNFString().splitlines():
         first, second, *literals, _ = line.split() if line[:1].isdigit() else (*line.split(), "")
         if first.isdigit():
@@ -108,7 +106,7 @@ def d4(tree):
     def of(node):
         if kinds[node] in "tf":
             return Fraction(kinds[node] == "t")
-        terms = [of(below) * math.prod(weights.get(int(x), 1) for x in literals) for below, literals in edges[node]]
+        terms = [of(below) * math.prod(clauses.weights.get(int(x), 1) for x in xs) for below, xs in edges[node]]
         return sum(terms) if kinds[node] == "o" else math.prod(terms)
 
     return of("1")
@@ -118,15 +116,16 @@ class Clauses:
     """A tree as clauses that define a variable for each gate, and for each count within a vote or an xor."""
 
     def __init__(self, tree):
-        self.tree, self.found = tree, []
-        self.number = {event.name: i for i, event in enumerate(tree.events, 1)}
-        self.variables = len(self.number)
+        self.found, self.variables, self.weights = [], 0, {}
         self.true = self._new()
         self.found.append([self.true])
-        self.number |= {house.name: self.true if house.state else -self.true for house in tree.house_events}
+        number = {house.name: self.true if house.state else -self.true for house in tree.house_events}
+        for event in tree.events:
+            n = number[event.name] = self._new()
+            self.weights |= {n: event.probability, -n: 1 - event.probability}
         for gate in tree.inputs_first:
-            self.number[gate.name] = self._gate(gate, [self.number[name] for name in gate.inputs])
-        self.top = self.number[tree.top]
+            number[gate.name] = self._gate(gate, [number[name] for name in gate.inputs])
+        self.top = number[tree.top]
         self.found.append([self.top])
 
     def _new(self):
@@ -169,8 +168,3 @@ class Clauses:
             return -self._and([-with_it, -of(first + 1, needed)])
 
         return of(0, k)
-
-    def weights(self):
-        """The chances of the events by literal."""
-        weights = {self.number[event.name]: event.probability for event in self.tree.events}
-        return weights | {-n: 1 - q for n, q in weights.items()}

@@ -1,4 +1,4 @@
-"""Random fault trees by seed: coherent or not, shared, deep, wide, in modules, with twins, constants and house events."""
+"""Random fault trees by seed: coherent or not, shared, deep, wide, modules, twins, sums of products, constants."""
 
 import random
 from fractions import Fraction
@@ -6,7 +6,7 @@ from fractions import Fraction
 from safety.trees import BasicEvent, FaultTree, Gate, HouseEvent
 
 COHERENT, ANY = ("and", "or", "vote"), ("and", "and", "or", "or", "vote", "not", "xor")
-SHAPES = ("shared", "deep", "wide", "modules", "twins")
+SHAPES = ("shared", "deep", "wide", "modules", "twins", "products")
 SPECIAL = (Fraction(0), Fraction(1), Fraction(1, 2), Fraction(1, 1000))
 
 
@@ -27,10 +27,10 @@ def random_tree(seed, events=8, coherent=None, rare=False):
     grower = _Grower(rng, COHERENT if coherent else ANY, shape)
     if shape == "modules":
         parts = [part for i in range(rng.randint(2, 4)) if (part := leaves[i::4])]
-        leaves = [grower.grow(part, rng.randint(1, 4)) for part in parts] + [house.name for house in houses]
-    else:
-        leaves += [house.name for house in houses]
-    top = grower.grow(leaves, rng.randint(1 + len(basic) // 2, 2 * len(basic) + 2))
+        leaves = [grower.grow(part, rng.randint(1, 4)) for part in parts]
+    leaves += [house.name for house in houses]
+    count = rng.randint(1 + len(basic) // 2, 2 * len(basic) + 2)
+    top = grower.products(leaves, count) if shape == "products" else grower.grow(leaves, count)
     rng.shuffle(grower.gates)
     return FaultTree(f"random {seed}", top, tuple(grower.gates), tuple(basic), tuple(houses))
 
@@ -68,6 +68,18 @@ class _Grower:
             loose = [*loose[3:], self._add([*loose[:3], *self.rng.sample(leaves, self.rng.randint(0, 1))])]
         return loose[0]
 
+    def products(self, leaves, count):
+        """A gate over many ands of a few leaves, or of their opposites; its name."""
+        if "not" in self.kinds:
+            self.gates += [Gate(f"no-{name}", "not", (name,)) for name in leaves]
+            leaves = [*leaves, *(gate.name for gate in self.gates)]
+        sizes = [min(len(leaves), self.rng.choice((2, 2, 3, 3, 4))) for _ in range(count)]
+        terms = tuple(dict.fromkeys(tuple(self.rng.sample(leaves, size)) for size in sizes))
+        self.gates += [Gate(f"p{i}", "and", term) for i, term in enumerate(terms)]
+        kind = self.rng.choice(("or", "or", "xor", "vote")) if "xor" in self.kinds else "or"
+        self.gates.append(Gate("sum", kind, tuple(f"p{i}" for i in range(len(terms))), 1 if kind == "vote" else None))
+        return "sum"
+
     def _add(self, inputs):
         """A gate over `inputs`, one of which is enough for a not."""
         below = {gate.kind for gate in self.gates if gate.name in inputs}
@@ -80,10 +92,13 @@ class _Grower:
         return self.gates[-1].name
 
     def _twin(self, gate):
-        """The same gate once more, its inputs in another order."""
+        """The same gate once more, its inputs in another order; a vote may want more or fewer of them."""
         names = tuple(self.rng.sample(gate.inputs, len(gate.inputs)))
-        self.gates.append(Gate(f"g{len(self.gates)}", gate.kind, names, gate.k))
+        k = self.rng.randint(1, len(names)) if gate.kind == "vote" and self.rng.random() < 0.5 else gate.k
+        self.gates.append(Gate(f"g{len(self.gates)}", gate.kind, names, k))
         return self.gates[-1].name
 
     def _arity(self):
-        return self.rng.randint(3, 7) if self.shape == "wide" else self.rng.choice((1, 2, 2, 2, 2, 2, 2, 3, 3, 3, 4))
+        if self.shape in ("wide", "twins"):
+            return self.rng.randint(3, 7)
+        return self.rng.choice((1, 2, 2, 2, 2, 2, 2, 3, 3, 3, 4))

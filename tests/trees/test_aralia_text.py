@@ -38,6 +38,16 @@ def test_formulas(formula, end):
         assert tree.occurs(failed) == MEANINGS[formula](*(e in failed for e in "abc")), failed
 
 
+def test_limits_inside_of_limits_do_not_double():
+    formula = "a"
+    for _ in range(40):
+        formula = f"#(1, 1, [{formula}, b])"
+    tree = read_aralia(f"g := {formula};".encode(), "f").finish(None)
+    assert len(tree.gates) == 40 * 4
+    assert tree.occurs({"a"})
+    assert not tree.occurs(set())
+
+
 def test_values_names_and_title(tmp_path):
     path = tmp_path / "t.dag"
     path.write_text(

@@ -12,6 +12,7 @@ from safety.trees import BasicEvent, FaultTree, Gate, TreeError, solve
 from safety.trees.common_cause import FIRST_LEVEL, CcfGroup, apply
 from safety.trees.distributions import Uniform
 from safety.trees.expressions import MissionTime, Parameter
+from safety.trees.formats import read_study
 from safety.trees.lifetimes import Exponential
 from tests.trees.brute import Truth
 from tests.trees.other_tools import SCRAM
@@ -184,7 +185,7 @@ def test_members_twice_or_unlike():
 
 
 def scram_common_cause(cases, folder):
-    """The top probability of each case (name, k, group), by SCRAM's `--ccf`, to about 12 digits.
+    """The file of all cases (name, k, group), and the top probability of each by SCRAM's `--ccf`, to about 12 digits.
 
     It prints six. So each tree is "top if a coin falls heads, else an event of our own probability rounded to six
     digits": the importance of the coin is then the difference, and that is printed to six digits again.
@@ -215,7 +216,7 @@ def scram_common_cause(cases, folder):
         check=True, capture_output=True, text=True, timeout=120,
     ).stdout  # fmt: skip
     coins = re.findall(r'<basic-event name="([\w-]+)-coin" occurrence="\d+" probability="0.5" MIF="([^"]+)"', printed)
-    return {name: rounded[name] + float(difference) for name, difference in coins}
+    return path, {name: rounded[name] + float(difference) for name, difference in coins}
 
 
 @pytest.mark.skipif(SCRAM is None, reason="the program scram is not installed (Debian package scram)")
@@ -225,11 +226,15 @@ def test_scram_reads_the_groups_alike(tmp_path):
         (f"c{number}", rng.randint(1, n), random_group(rng, model, n))
         for number, (model, n) in enumerate(case for case in EVERY for _ in range(3))
     ]
-    theirs = scram_common_cause(cases, tmp_path)
+    path, theirs = scram_common_cause(cases, tmp_path)
     assert len(theirs) == len(cases)
+    study = read_study(path)
     for name, k, made in cases:
         ours = solve(apply(voted(made.size, k), [made])).probability
         assert ours == pytest.approx(theirs[name], rel=1e-9), (name, k, made)
+        read = study.quantified(f"{name}-top")
+        near = next(event.chance[0] for event in read.events if event.name == f"{name}-near")
+        assert 2 * solve(read).probability - near == pytest.approx(ours, rel=1e-12)
 
 
 # --- expressions ------------------------------------------------------------------------------------------------------

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from scipy import stats
 
+from safety.trees.correlation import Correlation, of_pairs, read_correlation
 from safety.trees.distributions import Beta, Distribution, Gamma, Histogram, Lognormal, Normal, Uniform
-from safety.trees.sampling import Correlation, Plan
+from safety.trees.sampling import Plan
 from safety.trees.tree import TreeError
 
 U = np.array([1e-12, 1e-4, 0.05, 0.5, 0.95, 1 - 1e-4])
@@ -143,3 +145,37 @@ def test_a_plan_that_cannot_be_drawn_is_refused(make: Callable[[], object], mess
 def test_a_matrix_on_the_edge_of_what_is_possible_is_taken() -> None:
     columns = Plan(1000, correlation=Correlation(NAMES, ((1, 1, 1), (1, 1, 1), (1, 1, 1)))).uniforms(NAMES)
     assert columns["a"] == pytest.approx(columns["c"], abs=1e-7)
+
+
+def test_correlations_are_read_from_a_file(tmp_path: Path) -> None:
+    file = tmp_path / "together.json"
+    file.write_text('{"rank_correlations": [["a", "b", 0.5], ["c", "b", -1]]}')
+    with pytest.raises(TreeError, match="has the eigenvalue"):
+        read_correlation(file)
+    file.write_text('{"rank_correlations": [["a", "b", 0.5], ["c", "b", -0.25]]}')
+    assert read_correlation(file) == Correlation(NAMES, ((1, 0.5, 0), (0.5, 1, -0.25), (0, -0.25, 1)))
+    assert of_pairs([]) == Correlation((), ())
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("{", "no JSON text"),
+        ("[" * 100_000, "no JSON text"),
+        ("[]", "expected {"),
+        ('{"rank_correlations": 1}', "expected {"),
+        ('{"rank_correlations": [], "other": 1}', "expected {"),
+        ('{"rank_correlations": [["a", "b"]]}', r'\["a", "b"\] is no pair of names with a number'),
+        ('{"rank_correlations": [["a", "b", true]]}', "is no pair of names with a number"),
+        ('{"rank_correlations": [["a", "b", 0.1], ["b", "a", 0.1]]}', '"b" and "a" is given twice'),
+        ('{"rank_correlations": [["a", "a", 1]]}', "given with itself"),
+        ('{"rank_correlations": [["a", "b", 1.1]]}', "expected -1 to 1"),
+        ('{"rank_correlations": [["a", "b", NaN]]}', "expected -1 to 1"),
+    ],
+)
+def test_a_file_of_correlations_that_is_none_is_refused(text: str, message: str, tmp_path: Path) -> None:
+    file = tmp_path / "together.json"
+    file.write_text(text)
+    with pytest.raises(TreeError, match=message) as refused:
+        read_correlation(file)
+    assert refused.value.place == str(file)

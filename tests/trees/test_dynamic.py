@@ -9,16 +9,18 @@ import pytest
 
 from safety.rates.markov import Chain
 from safety.rates.numeric import transient
-from safety.trees import TooLarge, TreeError, dynamic_chain, dynamic_rules, dynamic_symmetry
+from safety.trees import TooLarge, TreeError, dynamic_chain, dynamic_rules
 from safety.trees.dynamic import Dependency, DynamicGate, DynamicTree, TimedEvent
 from safety.trees.dynamic_chain import FailureChain
+from safety.trees.dynamic_mean import bounded_mean_time
 from safety.trees.dynamic_modules import whole
 from safety.trees.dynamic_solve import solve_dynamic
 from safety.trees.dynamic_states import explore
 from safety.trees.galileo import read_galileo
 from tests.oracles import SHARED
 from tests.trees.failure_orders import transform
-from tests.trees.random_dynamic import random_dynamic, renamed
+from tests.trees.random_dynamic import random_dynamic
+from tests.trees.state_transform import states_transform
 
 DFT = SHARED / "markov" / "dft"
 SOME = Fraction(1, 3)  # a point of the Laplace transform
@@ -48,23 +50,6 @@ def close(found, expected, relative=1e-9):
     assert found.relative_width < 1e-10
 
 
-def states_transform(states, s):
-    """Mean of exp(-s x time to failure), exact, from the transitions found."""
-    out = [[] for _ in range(states.count)]
-    for source, target, cause in zip(
-        states.source.tolist(), states.target.tolist(), states.cause.tolist(), strict=True
-    ):
-        out[source].append((target, states.causes[cause].rate(states.tree)))
-    value = [Fraction(0)] * states.count
-    for state in sorted(range(states.count), key=lambda one: -states.settled[one]):
-        total = sum((rate for _, rate in out[state]), Fraction(0))
-        if state == states.failed:
-            value[state] = Fraction(1)
-        elif total:
-            value[state] = sum((rate * value[target] for target, rate in out[state]), Fraction(0)) / (s + total)
-    return sum((chance * value[state] for state, chance in states.start.items()), Fraction(0))
-
-
 @pytest.mark.parametrize("row", published())
 def test_published_rows(row):
     solution = solve_dynamic(published_tree(row["file"]))
@@ -74,11 +59,19 @@ def test_published_rows(row):
         close(at_1, float(row["unreliability_t1"]))
     close(solution.ever, float(row["p_eventually"]))
     if row["mttf"] == "inf":
-        assert solution.mean_time.low == math.inf
+        assert solution.mean_time().low == math.inf
     else:
-        close(solution.mean_time, float(row["mttf"]))
+        close(solution.mean_time(), float(row["mttf"]))
     if row["mttf_exact"] not in ("", "inf"):
-        assert solution.mean_time.low == solution.mean_time.high == Fraction(row["mttf_exact"])
+        assert solution.mean_time().low == solution.mean_time().high == Fraction(row["mttf_exact"])
+
+
+@pytest.mark.parametrize("name", ["modules3.dft", "spare4.dft", "seq6.dft", "voting5.dft", "modules2.dft", "mutex.dft"])
+def test_bounds_of_a_mean_time_hold_it(name):
+    solution = solve_dynamic(published_tree(name))
+    bounds, exact = bounded_mean_time(solution), solution.mean_time()
+    assert bounds.low <= exact.low and exact.high <= bounds.high
+    assert bounds.relative_width < 0.01
 
 
 def test_two_slow_stages_by_closed_form():
@@ -143,7 +136,7 @@ EXAMPLES = {  # a tree, mean time, probability of ever failing
 def test_examples_worked_by_hand(name):
     text, mean, ever = EXAMPLES[name]
     solution = solve_dynamic(read("toplevel T; " + text))
-    assert (solution.mean_time.low, solution.mean_time.high) == (mean, mean)
+    assert (solution.mean_time().low, solution.mean_time().high) == (mean, mean)
     assert (solution.ever.low, solution.ever.high) == (ever, ever)
 
 
@@ -175,8 +168,8 @@ def test_equal_to_every_order_of_failures_tried():
 
 @pytest.mark.slow
 def test_equal_to_every_order_of_failures_tried_on_many():
-    assert "differ" not in against_every_order(range(1000, 9000), 5)
-    assert "differ" not in against_every_order(range(9000, 9500), 6)
+    assert "differ" not in against_every_order(range(1000, 4000), 5)
+    assert "differ" not in against_every_order(range(9000, 9200), 6)
 
 
 def _no_order(rules, old, new):
@@ -217,71 +210,6 @@ def test_an_order_that_decides_is_refused_and_can_be_chosen():
         solve_dynamic(tree, ties="any")
 
 
-def copies(seed):
-    """Two or three copies of a random tree below a gate, with an event before or after, at times with a common link."""
-    one = random_dynamic(seed, 3, chances=seed % 2 == 0)
-    count = 2 + seed % 2
-    every = [renamed(one, f"{at}") for at in range(count)]
-    tops = tuple(tree.top for tree in every)
-    joint = DynamicGate("J", "vote", tops, 1 + seed % count)
-    last = DynamicGate("T", ("pand", "por", "spare", "and")[seed % 4], (("J", "z"), ("z", "J"))[seed // 4 % 2])
-    dependencies = [dependency for tree in every for dependency in tree.dependencies]
-    if seed % 3 == 0:
-        dependencies.append(Dependency("common", "z", tuple(f"{at}e0" for at in range(count))))
-    return DynamicTree(
-        "T",
-        "T",
-        (*(gate for tree in every for gate in tree.gates), joint, last),
-        (*(event for tree in every for event in tree.events), TimedEvent("z", Fraction(1), dormancy=Fraction(1, 2))),
-        tuple(dependencies),
-        tuple(restriction for tree in every for restriction in tree.restrictions),
-    )
-
-
-def with_and_without_symmetry(seeds):
-    for seed in seeds:
-        tree = copies(seed)
-        try:
-            plain = explore(tree, symmetry=False)
-        except TreeError:
-            continue
-        sorted_states = explore(tree)
-        same = all(states_transform(plain, s) == states_transform(sorted_states, s) for s in (Fraction(0), SOME))
-        yield ("smaller" if sorted_states.count < plain.count else "equal") if same else "differ"
-
-
-def test_equal_parts_that_change_places_make_no_difference():
-    counts = Counter(with_and_without_symmetry(range(40)))
-    assert counts["differ"] == 0
-    assert counts["smaller"] > 25
-
-
-@pytest.mark.slow
-def test_equal_parts_that_change_places_make_no_difference_in_many():
-    assert "differ" not in with_and_without_symmetry(range(1000, 4000))
-
-
-def test_parts_taken_to_be_alike_that_are_not_are_found_by_that_comparison(monkeypatch):
-    monkeypatch.setattr(dynamic_symmetry, "_figures", lambda event: (event.dormancy,))
-    assert "differ" in with_and_without_symmetry(range(40))
-
-
-def test_alike_events_keep_one_rate():
-    tree = read("toplevel T; T pand G C; G and A B; A lambda=1; B lambda=1; C lambda=1;")
-    assert explore(tree).equal_events == (frozenset("AB"),)
-    solution = solve_dynamic(tree)
-    assert (
-        solution.with_rates({"A": 2, "B": 2}).ever
-        == solve_dynamic(tree, symmetry=False).with_rates({"A": 2, "B": 2}).ever
-    )
-    with pytest.raises(TreeError, match="events A, B were taken to be alike"):
-        solution.with_rates({"A": 2})
-    apart = solve_dynamic(tree, symmetry=False).with_rates({"A": 2})
-    assert (
-        apart.ever == solve_dynamic(read("toplevel T; T pand G C; G and A B; A lambda=2; B lambda=1; C lambda=1;")).ever
-    )
-
-
 def test_a_race_for_one_unit_is_refused_and_can_be_chosen():
     tree = read(
         "toplevel T; T or P G; G and Q Z; P wsp O S; Q wsp U S; O or A B; U or A C; "
@@ -304,10 +232,38 @@ def test_a_budget_that_is_too_small_is_an_error_with_a_way_out():
         solve_dynamic(tree, budget=100)
 
 
+def test_a_spare_gate_with_too_many_units_is_refused():
+    names = [f"U{at}" for at in range(256)]
+    tree = read(f"toplevel T; T wsp {' '.join(names)};" + "".join(f"{name} lambda=1;" for name in names))
+    with pytest.raises(TreeError, match="has 256 inputs, expected at most 255"):
+        explore(tree)
+
+
 def test_rates_too_far_apart_are_an_error_with_a_way_out():
-    tree = read("toplevel T; T pand A B; A lambda=3600; B lambda=1e-6;")
-    with pytest.raises(ArithmeticError, match=r"steps are too many .*shorter time"):
+    slow = "".join(f"U{i} lambda={i + 1}e-6;" for i in range(8))
+    tree = read(f"toplevel T; T pand A G; G and {' '.join(f'U{i}' for i in range(8))}; A lambda=3600;" + slow)
+    with pytest.raises(ArithmeticError, match=r"take too many steps for 1e\+06 h and \d+ states .*shorter time"):
         solve_dynamic(tree).probability(10**6)
+
+
+@pytest.mark.parametrize("hours", [1, 10**3, 10**6])
+def test_rates_far_apart_by_closed_form(hours):
+    """A then B: b times the integral of exp(-b s) (1 - exp(-a s)), here with b/(a + b) of about 1e-10."""
+    a, b = 3600, 1e-6
+    found = solve_dynamic(read("toplevel T; T pand A B; A lambda=3600; B lambda=1e-6;")).probability(hours)
+    expected = -math.expm1(-b * hours) - b / (a + b) * -math.expm1(-(a + b) * hours)
+    assert found.low * (1 - 1e-13) <= expected <= found.high * (1 + 1e-13)
+    assert found.relative_width < 1e-9
+
+
+def test_both_routes_to_a_probability_agree(monkeypatch):
+    chain = FailureChain(explore(random_dynamic(3, 5)))
+    one = chain.probabilities([Fraction(1, 3), 5])
+    monkeypatch.setattr(dynamic_chain, "STIFF_STEPS", 0)
+    other = chain.probabilities([Fraction(1, 3), 5])
+    assert 0 < one[0].high < one[1].high
+    for first, second in zip(one, other, strict=True):
+        assert first.overlaps(second) and second.relative_width < 1e-13
 
 
 @pytest.mark.parametrize("seed", range(0, 60, 3))
@@ -345,7 +301,7 @@ def test_other_rates_without_a_new_search():
     solution = solve_dynamic(read(text.format(1, 3))).with_rates({"A": "1/7", "E": "0.1"})
     fresh = solve_dynamic(read(text.format("1/7", "0.1")))
     assert solution.probabilities([1, 2]) == fresh.probabilities([1, 2])
-    assert (solution.mean_time, solution.ever) == (fresh.mean_time, fresh.ever)
+    assert (solution.mean_time(), solution.ever) == (fresh.mean_time(), fresh.ever)
     with pytest.raises(TreeError, match='"X", which is no event'):
         solution.with_rates({"X": 1})
     with pytest.raises(TreeError, match="rate 0"):

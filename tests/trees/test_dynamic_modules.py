@@ -55,7 +55,7 @@ def equal_to_one_chain(tree):
     chain, solution = FailureChain(explore(whole(tree))), solve_dynamic(tree)
     pairs = zip(chain.probabilities([1, 4]), solution.probabilities([1, 4]), strict=True)
     same = all(one.overlaps(other) for one, other in pairs) and chain.ever.overlaps(solution.ever)
-    return same and chain.mean_time == solution.mean_time
+    return same and chain.mean_time == solution.mean_time()
 
 
 def joined(seed):
@@ -89,7 +89,7 @@ def test_parts_are_equal_to_one_chain():
 
 @pytest.mark.slow
 def test_parts_are_equal_to_one_chain_on_many():
-    assert "differ" not in comparisons(range(1000, 4000))
+    assert "differ" not in comparisons(range(1000, 2000))
 
 
 @pytest.mark.parametrize(
@@ -121,4 +121,4 @@ def test_the_mean_time_of_a_tree_in_parts_by_hand():
     tree = read("T and P C; P wsp A B; A lambda=1; B lambda=1 dorm=0; C lambda=1;")
     solution = solve_dynamic(tree)
     assert [part.name for part in solution.parts] == ["P", "T"]
-    assert solution.mean_time.low == 2 + Fraction(1, 4)
+    assert solution.mean_time().low == 2 + Fraction(1, 4)

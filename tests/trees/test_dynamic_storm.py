@@ -39,12 +39,7 @@ def by_storm(tree):
 
 
 def comparable(tree):
-    """Storm's meaning is another, or its result wrong, in four corners that are left out here:
-
-    it takes -excl for inclusive; a spare gate fails when a unit in reserve fails while the one in use can no longer
-    fail; a seq over gates with common events depends on which gate is looked at first; and a unit that shares an event
-    with the rest of the tree is active as a whole from the start.
-    """
+    """Four of the corners in which Storm differs (see safety.trees.dynamic) are left out; the fifth is met above."""
     kinds = {gate.name: gate.kind for gate in tree.gates}
     users = {name: {gate.name for gate in tree.gates if name in gate.inputs} for name in tree.nodes}
     units = {unit for gate in tree.gates if gate.kind == "spare" for unit in gate.inputs}
@@ -83,6 +78,6 @@ def test_random_trees_equal_storm():
 
 @pytest.mark.slow
 def test_many_random_trees_equal_storm():
-    found = list(comparisons(range(1000, 9000), 6))
+    found = list(comparisons(range(1000, 6000), 6))
     assert [one for one in found if not one[1]] == []
     assert len(found) > 1000

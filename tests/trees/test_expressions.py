@@ -187,6 +187,15 @@ def test_operators_and_equality_go_by_structure() -> None:
     assert repr(Exponential("1e-3", 2)) == "Exponential(Constant('1/1000'), Constant('2'))"
 
 
+def test_expressions_nest_to_a_limit() -> None:
+    chain: Expression = Constant("0.5")
+    for n in range(99):
+        chain = Parameter(f"p{n}", chain) if n % 2 else Operation("ite", 1, chain, chain)
+    assert event(chain).chance == (0.5, 0.5) and chain.enclosure() == chain.interval() == (0.5, 0.5)
+    with pytest.raises(TreeError, match="at most 100"):
+        Parameter("one more", chain)
+
+
 def test_a_distribution_stands_for_its_mean() -> None:
     assert Exponential(Lognormal("1e-3", 3, "0.95"), 10).value() == -math.expm1(-0.01)
     assert Exponential(0, Uniform(0, 4)).exact() == 0

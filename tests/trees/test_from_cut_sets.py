@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from safety.trees import BasicEvent, FaultTree, Gate, TreeError, from_cut_sets, solve
 from safety.trees.drawing import subsystem
-from safety.trees.factoring import listed
+from safety.trees.factoring import factored, listed
 from safety.trees.from_cut_sets import NotGivenBack
 
 
@@ -170,6 +170,15 @@ def test_hundreds_of_sets(count, events, order):
     for _ in range(300):
         some = set(chance.sample([f"e{i}" for i in range(events)], events // 3))
         assert has("hazard", some) == any(one <= some for one in sets)
+
+
+def test_thousands_of_sets_without_any_order_are_listed_as_they_are():
+    chance = random.Random(2)
+    sets = {frozenset(chance.sample(range(200), 4)) for _ in range(2100)}
+    assert factored(sets) == listed(sets)
+    channels = [[frozenset({10 * c + i}) for i in range(10)] for c in range(16)]
+    pairs = {x | y for a, b in itertools.combinations(channels, 2) for x in a for y in b}
+    assert (len(pairs), factored(pairs).kind, factored(pairs).gates) == (12_000, "vote", 17)
 
 
 def test_names_that_are_taken_are_left_alone():

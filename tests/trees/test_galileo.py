@@ -77,6 +77,12 @@ def test_ways_to_write_a_vote(vote, k):
     assert read(f'toplevel T; T {vote} "A" "B" "C";' + EVENTS).gates[0].k == k
 
 
+def test_a_top_that_is_an_event_gets_a_gate():
+    tree = read('toplevel "A";' + EVENTS)
+    assert (tree.top, tree.gates) == ("A (top)", (DynamicGate("A (top)", "or", ("A",)),))
+    assert read(to_galileo(tree)) == tree
+
+
 def test_cold_and_hot_reserve():
     rate = "A lambda=1; B lambda=1; C lambda=1;"
     assert [e.dormancy for e in read(f"toplevel T; T csp A B C; {rate}").events] == [1, 0, 0]
@@ -138,7 +144,7 @@ BAD = [
     ('toplevel A;\n\nA or "";', 3, '"" is no name'),
     ("toplevel A;\nA or B;", 2, '"A" uses "B", which is neither a gate nor an event'),
     ("toplevel X;\nA or B; B lambda=1;", 1, 'the top "X" is no gate'),
-    ("toplevel B;\nA or B;\nB lambda=1;", 3, 'the top "B" is no gate'),
+    ("toplevel F;\nA or B C;\nB lambda=1;\nC lambda=1;F fdep B C;", 4, 'the top "F" is no gate'),
     ("toplevel A;\nA or B;\nB lambda=1;\nB lambda=2;", 4, '"B" is defined twice, first in line 3'),
     ("toplevel A;\nA or B B;\nB lambda=1;", 2, 'has the input "B" more than once'),
     ("toplevel A;\nA or;\n", 2, "has 0 inputs"),

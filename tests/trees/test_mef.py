@@ -16,6 +16,7 @@ from safety.trees.tree import Gate
 EVENTS = "".join(
     f'<define-basic-event name="{e}"><float value="0.{n}"/></define-basic-event>' for n, e in enumerate("abc", 1)
 )
+TOP_OF_A = '<define-gate name="g"><or><basic-event name="a"/></or></define-gate>'
 REFERENCES = {e: f'<basic-event name="{e}"/>' for e in "abc"}
 
 
@@ -83,6 +84,22 @@ def test_private_definitions_are_known_by_their_paths(tmp_path):
     assert [event.chance[0] for event in study.events] == [0.1, 0.2, 0.5]
     assert list(study.parameters) == ["Train.left.p", "Train.right.p"]
     assert study.tops == ("top",)
+
+
+def test_public_definitions_have_paths_too(tmp_path):
+    body = f"""<define-fault-tree name="t">
+    <define-gate name="g"><or><gate name="c.h"/><gate name="t.c.h"/></or></define-gate>
+    <define-component name="c"><define-gate name="h"><or><basic-event name="t.a"/></or></define-gate></define-component>
+    {EVENTS}</define-fault-tree>"""
+    with pytest.raises(TreeError, match=r'gate "g" \(or\) has the input "h" more than once'):
+        read(put(tmp_path, body))
+    tree = read(put(tmp_path, body.replace('<gate name="c.h"/>', "")))
+    assert {gate.name: gate.inputs for gate in tree.gates} == {"g": ("h",), "h": ("a",)}
+
+
+def test_a_document_type_that_defines_nothing_is_harmless(tmp_path):
+    (tmp_path / "f").write_text(f"<!DOCTYPE opsa-mef>\n<opsa-mef>{EVENTS}{TOP_OF_A}</opsa-mef>")
+    assert read(tmp_path / "f").top == "g"
 
 
 def test_the_innermost_meaning_is_taken(tmp_path):
@@ -195,6 +212,30 @@ def test_a_rule_changes_cut_sets():
     assert set(map(frozenset, solve(study.tree()).cut_sets())) == {frozenset(s) for s in ("ab", "ac", "bc")}
 
 
+def test_what_a_rule_leaves_is_minimal():
+    rule = Substitution("x", "both", "c", "exchange-event", ("a", "b"))
+    assert list(solve(_study(rule, top=("vote", ("a", "b", "c"), 2)).quantified()).cut_sets()) == [("c",)]
+
+
+def test_a_rule_on_too_many_cut_sets_is_refused(monkeypatch):
+    monkeypatch.setattr("safety.trees.substitutions.MOST", 2)
+    rule = Substitution("x", "both", "d", "recovery-rule", ("a", "b"))
+    with pytest.raises(
+        TreeError, match=r'"s" has 3 minimal cut sets, substitutions with sources are applied to at most 2'
+    ):
+        _study(rule, top=("vote", ("a", "b", "c"), 2)).quantified()
+
+
+def test_limits_inside_of_limits_do_not_double(tmp_path):
+    formula = '<basic-event name="a"/>'
+    for _ in range(40):
+        formula = f'<cardinality min="1" max="1">{formula}<basic-event name="b"/></cardinality>'
+    tree = read(put(tmp_path, f'<define-gate name="top">{formula}</define-gate>{EVENTS}'))
+    assert len(tree.gates) == 40 * 4
+    assert tree.occurs({"a"})
+    assert not tree.occurs(set())
+
+
 def test_a_rule_on_a_tree_that_negates_is_refused():
     study = _study(Substitution("x", "a", "d", "exchange-event", ("a",)), top=("xor", ("a", "b")))
     with pytest.raises(
@@ -212,10 +253,8 @@ def test_phases_set_house_events(tmp_path):
     study = read_study(put(tmp_path, body))
     phases = (Phase("run", "3/4"), Phase("repair", "1/4", (("h", True),), "one out"))
     assert study.alignments == (Alignment("al", phases),)
-    assert [solve(study.quantified(house=dict(phase.house))).exact for phase in phases] == [
-        Fraction(1, 10),
-        Fraction(28, 100),
-    ]
+    found = [(phase, solve(tree).exact) for _, phase, tree in study.in_phases()]
+    assert found == list(zip(phases, (Fraction(1, 10), Fraction(28, 100)), strict=True))
     with pytest.raises(
         TreeError, match='alignment "al" cannot be part of one fault tree; read the files with read_study'
     ):

@@ -10,8 +10,10 @@ import pytest
 
 from safety.trees import TreeError
 from safety.trees.event_tree_answers import analyse
+from safety.trees.event_tree_summary import event_tree_entries
 from safety.trees.event_trees import CollectFormula, Rule
 from safety.trees.formats import read_study
+from tests.trees.brute import Truth
 
 SCRAM = shutil.which("scram")
 INPUTS = Path("/usr/share/scram/input")
@@ -64,7 +66,13 @@ def test_the_sequences_have_every_digit_that_scram_prints(files):
 @NEEDS_SCRAM
 @pytest.mark.parametrize(
     ("files", "partition"),
-    [("split fractions", True), ("a named branch", True), ("linked event trees", True), ("house events", False)],
+    [
+        ("split fractions", True),
+        ("a named branch", True),
+        ("linked event trees", True),
+        ("declarative substitutions", True),
+        ("house events", False),
+    ],
 )
 def test_whether_the_sequences_share_out_all_cases(files, partition):
     """The one with house events collects the same top event on every path: by its own words it means nothing."""
@@ -72,7 +80,36 @@ def test_whether_the_sequences_share_out_all_cases(files, partition):
     answers = [analyse(study, initiating) for initiating in study.initiating_events]
     assert [answer.is_partition for answer in answers] == [partition] * len(answers)
     if partition:
-        assert all(answer.total.exact == 1 for answer in answers)
+        whole = Fraction(58725, 100_000) if files == "declarative substitutions" else 1
+        assert all(answer.total.exact == whole == answer.whole.exact for answer in answers)
+
+
+@NEEDS_SCRAM
+@pytest.mark.parametrize("files", ["linked event trees", "house events"])
+def test_the_sequences_agree_with_their_truth_tables(files):
+    study = read_study(*(INPUTS / name for name in FILES[files]))
+    for initiating in study.initiating_events:
+        for one in analyse(study, initiating).sequences.values():
+            tree = one.solution.tree
+            assert one.probability.exact == Truth(tree).probability({e.name: e.exact_chance[0] for e in tree.events})
+
+
+@NEEDS_SCRAM
+def test_each_phase_of_an_alignment(tmp_path):
+    """Two trains, one pump or the other in maintenance; failing and not failing are two sequences."""
+    text = (INPUTS / "TwoTrain/event_tree.xml").read_text().replace('<sequence name="S"/>', '<sequence name="R"/>', 1)
+    text = text.replace('<define-sequence name="S"/>', '<define-sequence name="S"/><define-sequence name="R"/>')
+    (tmp_path / "two.xml").write_text(text)
+    paths = [INPUTS / "TwoTrain/two_train_alignment.xml", tmp_path / "two.xml"]
+    command = [SCRAM, "--bdd", "--probability", "1", "--ccf", "1", *map(str, paths)]
+    report = subprocess.run(command, capture_output=True, text=True, check=True, timeout=60).stdout
+    theirs = re.findall(r'<sequence name="(.)" value="([^"]+)"', report)
+    entries = event_tree_entries(read_study(*paths))
+    assert [entry["phase"] for entry in entries] == ["Normal", "PumpOne", "PumpTwo"]
+    assert sum(entry["time_fraction"] for entry in entries) == pytest.approx(1, rel=1e-15)
+    ours = [(one["id"], f"{one['probability']:.6g}") for entry in entries for one in entry["sequences"]]
+    assert sorted(ours) == sorted(theirs)
+    assert all(entry["partition"] for entry in entries)
 
 
 DATA = """

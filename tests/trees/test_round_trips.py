@@ -125,6 +125,13 @@ def test_formulas_inside_formulas_come_back(formula):
     assert as_aralia(through_text) == through_text
 
 
+def test_a_formula_used_twice_is_written_once():
+    tree = read_aralia(b"g := #(1, 1, [a & b, c]); p(a) = 0.1; p(b) = 0.1; p(c) = 0.1;", "f").finish("g")
+    for back in (as_mef(tree), as_aralia(tree)):
+        assert {gate.name for gate in back.gates} == {"g", "g/1", "g/1/1", "g/2", "g/2/1"}
+        assert same_function(tree, back)
+
+
 @given(NAMES)
 def test_any_name_becomes_an_identifier_and_comes_back(name):
     assert PLAIN.fullmatch(encoded(name))

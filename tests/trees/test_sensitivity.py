@@ -152,6 +152,15 @@ def test_a_range_replaces_the_distribution_of_a_parameter() -> None:
     assert bar.top_low == pytest.approx(top(bridge(p="0.1")), rel=1e-14)
 
 
+def test_the_range_of_a_variable_goes_by_the_means_of_its_own_parameters() -> None:
+    centre = Parameter("centre", "0.1")
+    law = Parameter("p", Uniform(0, centre))
+    tree = FaultTree("t", "g", (Gate("g", "or", ("e",)),), (BasicEvent("e", expression=law),))
+    bars = {bar.name: bar for bar in tornado(solve(tree), {"centre": ("0.4", "0.8")})}
+    assert (bars["p"].low, bars["p"].high) == pytest.approx((0.005, 0.095))
+    assert (bars["centre"].top_low, bars["centre"].top_high) == pytest.approx((0.2, 0.4))
+
+
 def test_a_test_interval_is_varied_with_the_number_of_tests() -> None:
     def tested(interval: str) -> FaultTree:
         law = PeriodicTest("1e-3", "0.01", Parameter("interval", interval), 10, MissionTime())

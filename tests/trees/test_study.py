@@ -51,6 +51,7 @@ GATES = (
     Gate("not G.1", "not", ("G.1",)),
 )
 RULE = Rule("rule", (CollectFormula("G.2"), SetHouseEvent("h", False)), "a rule")
+HIDDEN = Rule("in a choice", (SetHouseEvent("h", True),))
 TEST = Combined("and", (InitiatingEventIs("IE"), Combined("not", (FunctionalEventIs("F", "works"),))))
 TREE = EventTree(
     "ET",
@@ -63,7 +64,7 @@ TREE = EventTree(
             "F",
             (
                 Path("works", Branch((CollectFormula("not G.1"),), ToSequence("ok"))),
-                Path("fails", Branch((CollectFormula("G.1"), Choice(TEST, Block((RULE,)))), ToBranch("further"))),
+                Path("fails", Branch((CollectFormula("G.1"), Choice(TEST, Block((HIDDEN,)))), ToBranch("further"))),
                 Path("odd", Branch((CollectExpression(Operation("mul", "0.5", RATE)),), ToSequence("bad"))),
             ),
         ),
@@ -89,7 +90,10 @@ STUDY = Study(
         ),
         CcfGroup("members'", "MGL", ("b", "c"), {2: Parameter("beta", Constant("0.2"))}),
     ),
-    (InitiatingEvent("IE", "ET", Constant("0.25"), (SetHouseEvent("h", True),), "it starts"), InitiatingEvent("IE 2")),
+    (
+        InitiatingEvent("IE", "ET", Constant("0.25"), (SetHouseEvent("h", True),), "it starts"),
+        InitiatingEvent("IE 2"),
+    ),
     (TREE, OTHER),
     (
         Substitution("s", "s, hypothesis", "ä 1", description="one for two"),
@@ -129,6 +133,13 @@ def test_all_parts_of_a_study_come_back(tmp_path, ending):
     if ending == "json":
         assert back == STUDY
         assert set(back.events) == set(STUDY.events)
+
+
+def test_json_tells_a_number_from_a_constant_expression(tmp_path):
+    starts = tuple(InitiatingEvent(str(one), "ET", one) for one in (Fraction(1, 3), Constant("1/3")))
+    study = replace(STUDY, initiating_events=starts)
+    write(study, tmp_path / "s.json")
+    assert read_study(tmp_path / "s.json") == study
 
 
 def test_a_study_knows_the_parameters_of_its_parts():

@@ -15,10 +15,11 @@ import numpy as np
 import pytest
 from scipy import stats
 
+from safety.trees.correlation import Correlation
 from safety.trees.distributions import Beta, Distribution, Gamma, Histogram, Lognormal, Normal, Uniform
 from safety.trees.expressions import Expression, MissionTime, Operation, Parameter
 from safety.trees.lifetimes import Exponential, PeriodicTest
-from safety.trees.sampling import Correlation, Draws, Plan, probabilities, variables
+from safety.trees.sampling import Draws, Plan, probabilities, variables
 from safety.trees.solve import Solution, solve
 from safety.trees.tree import BasicEvent, FaultTree, Gate, TreeError
 from safety.trees.uncertainty import MEASURES, Spread, fields, importance_fields, propagate, propagate_importance, ranks

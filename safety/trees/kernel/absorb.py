@@ -27,11 +27,14 @@ MEMORY = cython.declare(cython.int, 1 << 22)  # words
 def absorb(flat, refs: cython.int[::1], copies: cython.int):
     """The same function with at most `copies` copies of a gate; constants among the inputs are still there.
 
+    `flat` itself if there is nothing to absorb.
+
     `refs` is the number of references by index.
     """
     if flat.root >> 1 <= flat.variables:
         return flat
-    return Contexts(flat, refs, copies).graph()
+    contexts = Contexts(flat, refs, copies)
+    return contexts.graph() if contexts.replaced else flat
 
 
 @cython.cclass
@@ -53,8 +56,10 @@ class Contexts:
     below: cython.int[::1]  # a literal with a state for its gate: 2 * state + complement, -2 for true, -1 for false
     words: cython.int
     states: cython.int
+    replaced = cython.declare(cython.int, visibility="public")  # inputs that a context decides
     most: cython.int
     copies: cython.int
+    used: cython.int  # of `below`
     first: cython.int
     count: cython.int
     variables: cython.int
@@ -94,6 +99,8 @@ class Contexts:
                 if c >= self.first:
                     for columns in range(w):
                         self.cone[g * w + columns] |= self.cone[(c - self.first) * w + columns]
+        self.replaced = self.used = 0
+        self.go_down()
 
     @cython.cfunc
     @cython.exceptval(check=False)
@@ -157,13 +164,13 @@ class Contexts:
         self.owned[g] += 1
         return s
 
-    def graph(self):
-        """The graph of all states that are needed."""
+    @cython.cfunc
+    def go_down(self) -> cython.void:
+        """Make all states that are needed, from the root's on."""
         g: cython.int
         h: cython.int
         s: cython.int
         i: cython.int
-        n: cython.int
         arity: cython.int
         literal: cython.int
         at: cython.longlong
@@ -190,8 +197,10 @@ class Contexts:
                     h = (literal >> 1) - self.first
                     if self.bit(self.known, at, literal):
                         self.below[used] = -2
+                        self.replaced += 1
                     elif self.bit(self.known, at, literal ^ 1):
                         self.below[used] = -1
+                        self.replaced += 1
                     elif h < 0:
                         self.below[used] = literal
                     else:
@@ -202,6 +211,16 @@ class Contexts:
                             self.flip(literal)
                     used += 1
                 s = self.before[s] - 1
+        self.used = used
+
+    def graph(self):
+        """The graph of all states."""
+        g: cython.int
+        s: cython.int
+        i: cython.int
+        literal: cython.int
+        n: cython.int = 0
+        used: cython.int = self.used
         new_kind, new_k = array("i", bytes(4 * self.states)), array("i", bytes(4 * self.states))
         new_start, new_inputs = array("i", bytes(4 * self.states + 4)), array("i", bytes(4 * used))
         index_of: cython.int[::1] = array("i", bytes(4 * self.states))
@@ -209,7 +228,6 @@ class Contexts:
         ks: cython.int[::1] = new_k
         starts: cython.int[::1] = new_start
         filled: cython.int[::1] = new_inputs
-        n = 0
         used = 0
         for g in range(self.count):
             s = self.head[g] - 1

@@ -32,6 +32,7 @@ class Builder:
     cache: cython.int[::1]  # four a slot: f, g, result; f < g for "and", f > g for "xor"
     bucket_mask: cython.longlong
     cache_mask: cython.longlong
+    done = cython.declare(cython.int, visibility="public")  # gates that were built, of those asked for
     count: cython.int
     budget: cython.int
     room: cython.int
@@ -49,6 +50,7 @@ class Builder:
         self.bucket_mask = self.cache_mask = slots - 1
         self.node[0] = levels  # the constant lies below every variable
         self.count = 1
+        self.done = 0
         self.full = False
 
     @cython.cfunc
@@ -295,6 +297,7 @@ class Builder:
         edges: cython.int[::1] = array("i", bytes(4 * (widest + 1)))
         counts: cython.int[::1] = array("i", bytes(4 * (widest + 1)))
         for i in range(len(gates)):
+            self.done = i
             g = gates[i] - first
             for j in range(start[g], start[g + 1]):
                 edges[j - start[g]] = edge_of[inputs[j] >> 1] ^ (inputs[j] & 1)

@@ -1,5 +1,5 @@
 # cython: language_level=3, boundscheck=False, wraparound=False, cdivision=True, initializedcheck=False
-"""Simplification of a graph of gates, and its modules.
+"""Simplification of a graph of gates.
 
 While it is simplified a graph is signed: ands, votes and exclusive ors over literals, an "or" being the complement of
 an "and" of complements, and equal gates the same gate.  `reduce` writes it with ands and ors again, complemented where
@@ -7,9 +7,8 @@ that keeps monotone parts free of complements below.
 
 This file runs compiled (Cython) and interpreted, with the same results.
 
-Sources: A. Rauzy and Y. Dutuit, "Exact and Truncated Computations of Prime Implicants of Coherent and Non-Coherent Fault
-Trees within Aralia", Reliability Engineering and System Safety 58 (1997), for constants and coalescing; Y. Dutuit and A.
-Rauzy, "A Linear-Time Algorithm to Find Modules of Fault Trees", IEEE Trans. Reliability 45 (1996).
+Source: A. Rauzy and Y. Dutuit, "Exact and Truncated Computations of Prime Implicants of Coherent and Non-Coherent
+Fault Trees within Aralia", Reliability Engineering and System Safety 58 (1997), for constants and coalescing.
 """
 
 from array import array
@@ -37,12 +36,16 @@ def reduce(flat):
     Complemented literals of gates are left only where a gate is needed both ways or its complement is not monotone.
     """
     best = signed(signed(flat, False))
+    costs = cost(best)
     copies = FEW
     for _ in range(ROUNDS):
+        if costs[0] == 0:
+            break
         better = simplified(best, copies)
-        if cost(better) < cost(best):
-            best, copies = better, FEW
-        elif copies == FEW:
+        better_costs = costs if better is best else cost(better)
+        if better_costs < costs:
+            best, costs, copies = better, better_costs, FEW
+        elif copies == FEW and shared_gates(best):
             copies = MANY
         else:
             break
@@ -50,9 +53,22 @@ def reduce(flat):
 
 
 def simplified(flat, copies: cython.int):
-    """A signed graph after one round of everything, which may have made it larger."""
-    absorbed = signed(absorb(flat, references(flat), copies))
-    return signed(merge(absorbed, references(absorbed)), False)
+    """A signed graph after one round of everything, which may have made it larger; itself if nothing could be done."""
+    absorbed = absorb(flat, references(flat), copies)
+    if absorbed is not flat:
+        absorbed = signed(absorbed)
+    merged = merge(absorbed, references(absorbed))
+    return merged if merged is absorbed else signed(merged)
+
+
+def shared_gates(flat):
+    """Whether some gate has more than one user, so that copies of it could be absorbed into each apart."""
+    refs: cython.int[::1] = references(flat)
+    i: cython.int
+    for i in range(flat.variables + 1, len(refs)):
+        if refs[i] > 1:
+            return True
+    return False
 
 
 def cost(flat):
@@ -143,6 +159,7 @@ class Gates:
     @cython.cfunc
     @cython.exceptval(check=False)
     def sift(self, i: cython.int, n: cython.int) -> cython.void:
+        """Let the i-th sink in the heap of the first `n`, the largest at the top."""
         child: cython.int
         literal: cython.int = self.work[i]
         while 2 * i + 1 < n:
@@ -340,9 +357,10 @@ def signed(flat, coalesce: cython.bint = True):
             if kind[g] != VOTE:
                 for i in range(start[g], start[g + 1]):
                     c = (inputs[i] >> 1) - first
-                    if c >= 0 and kind[c] == kind[g] and refs[inputs[i] >> 1] == 1:
-                        if kind[g] == XOR or not inputs[i] & 1:
-                            inside[c] = refs[first + g] > 0
+                    if c < 0 or kind[c] != kind[g] or refs[inputs[i] >> 1] != 1:
+                        continue
+                    if kind[g] == XOR or not inputs[i] & 1:
+                        inside[c] = refs[first + g] > 0
     for g in range(count):
         if refs[first + g] == 0 or inside[g]:
             continue

@@ -1,5 +1,5 @@
 # cython: language_level=3, boundscheck=False, wraparound=False, cdivision=True, initializedcheck=False
-"""Merging of common arguments in a signed graph: inputs that always come together in "ands" become one gate of their own.
+"""Merging of common arguments in a signed graph: inputs that always come together in "ands" become a gate.
 
 Events that occur together in many gates are then a module, one variable instead of many.
 
@@ -18,7 +18,8 @@ AND = cython.declare(cython.int, 0)
 def merge(flat, refs: cython.int[::1]):
     """The same function; `refs` is the number of references by index.
 
-    Literals that are inputs of exactly the same "ands", two or more, are gathered below a new one.
+    Literals that are inputs of exactly the same "ands", two or more, are gathered below a new one. `flat` itself if
+    there are none.
     """
     kind: cython.int[::1] = flat.kind
     k: cython.int[::1] = flat.k
@@ -43,6 +44,7 @@ def merge(flat, refs: cython.int[::1]):
     literal: cython.int
     other: cython.int
     gates: cython.int = 0
+    groups: cython.int = 0
     for g in range(count):
         if kind[g] == AND and refs[first + g]:
             for i in range(start[g], start[g + 1]):
@@ -64,12 +66,15 @@ def merge(flat, refs: cython.int[::1]):
                 if sign[other] == sign[literal] and users[other] == users[literal]:
                     group[literal] = other + 1
                     size[other] += 1
+                    groups += 1
                     break
             else:
                 leader[n] = literal
                 n += 1
                 group[literal] = literal + 1
                 size[literal] = 1
+    if groups == 0:
+        return flat
     _keep_exact(kind, start, inputs, refs, first, users, group, size)
     for g in range(count):
         if not refs[first + g]:

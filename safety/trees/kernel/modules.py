@@ -39,7 +39,7 @@ def modules(flat, monotone: cython.bint = False):
 
 
 def gather(flat):
-    """The same function with inputs of an "and", "or" or exclusive or below a gate of their own where they are a module.
+    """The same function with inputs of an "and", "or" or exclusive or gathered in modules of their own.
 
     Such are the inputs that are connected with each other below and with nothing else, and all those that are single
     variables or modules together.
@@ -79,6 +79,7 @@ class Walk:
 
     @cython.cfunc
     def go(self) -> cython.void:
+        """Walk, and enter the dates."""
         last: cython.int[::1] = self.last
         at: cython.int[::1] = array("i", self.start)  # the next input of each gate on the path
         path: cython.int[::1] = array("i", bytes(4 * self.count))
@@ -155,6 +156,7 @@ class Gather:
     @cython.cfunc
     @cython.exceptval(check=False)
     def leader(self, i: cython.int) -> cython.int:
+        """The first of the inputs known to be connected with input i."""
         while self.parent[i] != i:
             self.parent[i] = self.parent[self.parent[i]]
             i = self.parent[i]
@@ -190,6 +192,7 @@ class Gather:
                             waiting += 1
 
     def graph(self):
+        """The graph with the new gates."""
         walk: Walk = self.walk
         inputs: cython.int[::1] = walk.inputs
         index_of: cython.int[::1] = array("i", range(walk.first + walk.count))

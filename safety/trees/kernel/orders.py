@@ -322,7 +322,7 @@ class Module:
         return result
 
     def force(self, start_order):
-        """`start_order` improved by moving each variable, again and again, to the mean position of the gates over it."""
+        """`start_order` improved by moving each variable again and again to the mean position of the gates over it."""
         first: cython.int = self.variables + 1
         size: cython.int = len(self.size)
         leaves: cython.int = self.leaves
@@ -336,12 +336,11 @@ class Module:
         total: cython.double
         least: cython.double
         most: cython.double
-        turn: cython.int
         g: cython.int
         c: cython.int
         i: cython.int
         j: cython.int
-        for turn in range(ROUNDS + 1):
+        for _ in range(ROUNDS + 1):
             span = 0.0
             for i in range(leaves):
                 place[order[i]] = i
