@@ -27,9 +27,9 @@ rightside tree permit.xml --hours 8760 --sil --curve 12   PFDavg, PFH, safety in
 rightside tree permit.xml --certificate permit.cert.json  for `rightside check`
 rightside tree permit.dft --export permit.xml             from one format into another
 """
-OF_FILES = {  # options that belong to tree files, with their values when not given
-    "top": None, "hours": None, "export": [], "certificate": None, "likeliest": False, "exact": False, "gates": False,
-    "uncertainty": None, "lhs": False, "seed": None, "sensitivity": False, "target": [], "curve": None, "sil": False,
+OF_FILES: dict[str, object] = {  # options that belong to tree files, with their values when not given
+    "top": None, "hours": None, "export": [], "certificate": None, "likeliest": False, "exact": False, "gates": False, "joint": False,
+    "uncertainty": None, "lhs": False, "seed": None, "correlation": None, "sensitivity": False, "target": [], "curve": None, "sil": False,
 }  # fmt: skip
 
 
@@ -43,15 +43,21 @@ def add_arguments(parser: ArgumentParser) -> None:
     group.add_argument("--likeliest", action="store_true", help="list the likeliest cut sets, not the smallest")
     group.add_argument("--exact", action="store_true", help="the probability as a rational, however large the tree")
     group.add_argument("--gates", action="store_true", help="importance of gates as well")
+    group.add_argument("--joint", action="store_true", help="joint importance of pairs, differential importance")
     group.add_argument("--uncertainty", metavar="N", type=_samples, help="N samples of the data's distributions")
     group.add_argument("--lhs", action="store_true", help="Latin hypercubes instead of independent samples")
     group.add_argument("--seed", metavar="S", type=int, help="of the samples (default: 1)")
+    group.add_argument(
+        "--correlation", metavar="FILE", help='of its variables: {"rank_correlations": [["a", "b", 0.5]]} in JSON'
+    )
     group.add_argument("--sensitivity", action="store_true", help="derivative by each parameter, and what ranges do")
     group.add_argument(
         "--target", metavar="NAME=P", action="append", default=[],
         help="the value of a parameter or event at which the top has probability P; may be repeated",
     )  # fmt: skip
-    group.add_argument("--curve", metavar="N", type=_samples, help="unavailability and frequency at N steps of the time")
+    group.add_argument(
+        "--curve", metavar="N", type=_samples, help="unavailability and frequency at N steps of the time"
+    )
     group.add_argument("--sil", action="store_true", help="PFDavg, PFH, mean time to failure, safety integrity level")
     group.add_argument("--export", metavar="FILE", action="append", default=[],
                        help="write the tree as .xml, .json, .dag, .dft or .dot; may be repeated")  # fmt: skip
@@ -78,7 +84,11 @@ def run(args: Namespace) -> int:
         session = work(args, "trees")
         entries, code = session.results.get("trees", []), session.code
     if args.json != "-":
-        data("\n\n".join(told(entry) for entry in entries if "structure" in entry or "dynamic" in entry or "sequences" in entry))
+        data(
+            "\n\n".join(
+                told(entry) for entry in entries if "structure" in entry or "dynamic" in entry or "sequences" in entry
+            )
+        )
     if args.svg:
         _draw(args.svg, entries)
     return code

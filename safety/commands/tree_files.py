@@ -12,7 +12,7 @@ from safety.commands.output import data, probe
 from safety.report.files import dumps, write_text
 from safety.trees.formats import LARGEST, read
 from safety.trees.solve import Solution, solve
-from safety.trees.summary import entry_of
+from safety.trees.summary import LISTED, entry_of
 from safety.trees.tree import FaultTree, TreeError, exact
 from safety.commands.versions import VERSION
 
@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from safety.report.schema import Entry
 
 NOT_AS_ASKED = 1
+FEW_GATES = 60  # of a tree in whose picture the importance of gates is shown unasked
 QUICKLY_EXACT = 30  # nodes of a diagram that is evaluated in rationals unasked
 
 
@@ -30,11 +31,11 @@ def solve_files(args: Namespace) -> tuple[list[Entry], int]:
     """The entries for the files, written as JSON where asked; and the exit code."""
     if args.keyword or args.req or args.lf or args.settings:
         raise CommandError("-k, --req, --lf and --set choose among a project's hazards; leave them out with a FILE")
-    if args.uncertainty is None and (args.lhs or args.seed is not None):
-        raise CommandError("--lhs and --seed are of --uncertainty N; add it")
+    if args.uncertainty is None and (args.lhs or args.correlation or args.seed is not None):
+        raise CommandError("--lhs, --seed and --correlation are of --uncertainty N; add it")
     if args.json:
         probe(args.json)
-    entries = _events(args) or [_dynamic(args) or _static(args)]
+    entries = _events(args) or _phases(args) or [_dynamic(args) or _static(args)]
     results: dict[str, Any] = {"schema": "rightside/1", "tool": {"rightside": VERSION}}
     for entry in entries:
         results.setdefault("event_trees" if "sequences" in entry else "trees", []).append(entry)
@@ -48,10 +49,45 @@ def solve_files(args: Namespace) -> tuple[list[Entry], int]:
 def _static(args: Namespace) -> Entry:
     began = time.perf_counter()
     tree = read(*args.files, top=args.top, mission_time_h=args.hours)
-    read_s = time.perf_counter() - began
+    return _solved(args, tree, time.perf_counter() - began)
+
+
+def _phases(args: Namespace) -> list[Entry]:
+    """An entry for each phase of the alignments in the files, if there are any."""
+    if not any(b"define-alignment" in _content(file) for file in args.files):
+        return []
+    from safety.trees.formats import read_study
+
+    study = read_study(*args.files, mission_time_h=args.hours)
+    if not study.alignments:
+        return []
+    for name in ("export", "certificate"):
+        if getattr(args, name):
+            raise CommandError(f"--{name} is of one tree, and {', '.join(args.files)} holds one for each phase")
+    entries = []
+    for alignment, phase, tree in study.in_phases(args.top):
+        entry = _solved(args, tree, None)
+        entry |= {
+            "id": f"{entry['id']}, {alignment.name}: {phase.name}",
+            "alignment": alignment.name,
+            "phase": phase.name,
+            "time_fraction": float(phase.fraction),
+        }
+        entries.append(entry)
+    for alignment in study.alignments:
+        rows = [entry for entry in entries if entry["alignment"] == alignment.name]
+        known = all(row["probability"] is not None for row in rows)
+        mean = sum(row["time_fraction"] * row["probability"] for row in rows) if known else None
+        for row in rows:
+            row["mean_over_phases"] = mean
+    return entries
+
+
+def _solved(args: Namespace, tree: FaultTree, read_s: float | None) -> Entry:
+    began = time.perf_counter()
     solution = solve(tree)
     entry = entry_of(
-        solution, source=", ".join(args.files), read_s=read_s, solve_s=time.perf_counter() - began - read_s,
+        solution, source=", ".join(args.files), read_s=read_s, solve_s=time.perf_counter() - began,
         likeliest=args.likeliest, exact_nodes=inf if args.exact else QUICKLY_EXACT,
     )  # fmt: skip
     entry |= _more(args, tree, solution)
@@ -61,16 +97,14 @@ def _static(args: Namespace) -> Entry:
 def _more(args: Namespace, tree: FaultTree, solution: Solution) -> Entry:
     """What the options ask for beyond cut sets, probability and importance."""
     found: Entry = {}
-    if args.gates:
+    if args.gates or (args.svg and len(tree.gates) <= FEW_GATES and solution.probability is not None):
         from safety.trees.importance_of_gates import importance_of_gates, plain
 
         found["gate_importance"] = [plain(one) for one in importance_of_gates(tree).values()]
+    if args.joint:
+        found |= _joint(solution)
     if args.uncertainty:
-        from safety.trees import uncertainty
-        from safety.trees.sampling import Plan
-
-        plan = Plan(args.uncertainty, 1 if args.seed is None else args.seed, args.lhs)
-        found["uncertainty"] = uncertainty.fields(uncertainty.propagate(solution, plan))
+        found["uncertainty"] = _uncertainty(args, solution)
     if args.sensitivity:
         from safety.trees import sensitivity
 
@@ -89,6 +123,29 @@ def _more(args: Namespace, tree: FaultTree, solution: Solution) -> Entry:
         from safety.trees.formats import write
 
         write(tree, path)
+    return found
+
+
+def _joint(solution: Solution) -> Entry:
+    from safety.trees.joint_importance import differential_importance, joint_importance
+
+    pairs = sorted(joint_importance(solution), key=lambda one: -abs(one.joint))
+    return {
+        "joint_importance": [vars(one) for one in pairs[:LISTED]],
+        "joint_importance_not_listed": max(0, len(pairs) - LISTED),
+        "differential_importance": [vars(one) for one in differential_importance(solution)],
+    }
+
+
+def _uncertainty(args: Namespace, solution: Solution) -> Entry:
+    from safety.trees import uncertainty
+    from safety.trees.correlation import read_correlation
+    from safety.trees.sampling import Plan
+
+    correlation = read_correlation(args.correlation) if args.correlation else None
+    plan = Plan(args.uncertainty, 1 if args.seed is None else args.seed, args.lhs, correlation=correlation)
+    found = uncertainty.fields(uncertainty.propagate(solution, plan))
+    found["importance"] = uncertainty.importance_fields(uncertainty.propagate_importance(solution, plan))
     return found
 
 

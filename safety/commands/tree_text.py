@@ -8,6 +8,9 @@ from safety.report.numbers import number
 
 TYPE_CHECKING = False  # typing itself is not needed to start
 if TYPE_CHECKING:
+    from collections.abc import Callable
+    from typing import Any
+
     from safety.report.schema import Entry
 
 MEASURES = ("fussell_vesely", "birnbaum")
@@ -121,7 +124,8 @@ def _curve(found: Entry) -> list[str]:
 
 
 def _averages(found: Entry) -> list[str]:
-    lines = []
+    lines, time = [], found["mission_time_h"]
+    over = "" if time is None else f", over {number(time)} h"
     for words, figure, level in (
         ("PFDavg", found["pfd_avg"], found["sil_low_demand"]),
         ("PFH, per hour,", found["pfh_per_h"], found["sil_high_demand"]),
@@ -134,7 +138,7 @@ def _averages(found: Entry) -> list[str]:
             sil = f"at the limit {number(level['limit'])} of two levels: SIL {level['sil_at_least']} at least"
         lines.append(
             f"{words} {number(figure['value'])} between {figure['low']!r} and {figure['high']!r}: {sil} "
-            f"({level['mode']}; {found['method']}, over {number(found['mission_time_h'])} h)"
+            f"({level['mode']}; {found['method']}{over})"
         )
     return lines
 
@@ -146,7 +150,13 @@ def _mean_time(found: Entry) -> list[str]:
     return [f"mean time to failure {number(found['value'])} h ({found['method']}{exact})"]
 
 
-EXTRAS = {
+def _pairs(found: list[Entry]) -> list[str]:
+    rows = [[" & ".join(one["events"]), number(one["joint"])] for one in found[:LISTED]]
+    return [table(["pair", "joint importance"], rows), *_more(len(found) - len(rows), "pairs")]
+
+
+EXTRAS: dict[str, Callable[[Any], list[str]]] = {
+    "joint_importance": _pairs,
     "uncertainty": _uncertainty,
     "sensitivity": _sensitivity,
     "targets": _targets,
@@ -200,6 +210,9 @@ def _probability(entry: Entry) -> str:
         return "probability unknown: not every event has one"
     sign = mark(rests_on_assumed("trees", entry))
     model = f"  ({entry['chance']}, {entry['hours']} h)" if entry.get("chance") else ""
+    if entry.get("mean_over_phases") is not None:
+        share = f"{number(entry['time_fraction'])} of the time"
+        model = f"  ({share}; mean over the phases {number(entry['mean_over_phases'], 6)})"
     if value is None:
         return f"probability between {number(low)} and {number(high if high is not None else 1.0)}{sign}{model}"
     return f"probability {number(value, 6)}{sign}, enclosed by {low!r} and {high!r}{model}"

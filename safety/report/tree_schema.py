@@ -54,6 +54,11 @@ class Tree(TypedDict, total=False):
     met: bool | None
     minimal_cut_sets: CutSets | None
     importance: list[Importance]
+    alignment: str  # in whose phase, with its part of the time
+    phase: str
+    time_fraction: Number
+    mean_over_phases: Number
+    gate_importance: list[dict[str, Any]]  # rows as those of events, each with its "gate"
     cut_sets: list[Found]  # as found on a model
     minimal_by: list[str]  # solvers that show that no proper part of a set suffices
     not_minimal: list[list[str]]  # sets of which a part may suffice

@@ -38,7 +38,7 @@ LEAST_DIFFERENCE = 1e-11  # relative, for the rounding of an estimate
 class Averages:
     """The figures of the module over `mission_time_h`; None where the failure frequency is not known (`unknown`)."""
 
-    mission_time_h: float
+    mission_time_h: float | None  # None where it does not matter
     unavailability: Bounds  # PFDavg
     exact: Fraction | None  # PFDavg where nothing changes and all is rational
     expected_failures: Bounds | None
@@ -87,9 +87,9 @@ def averages(mission: Mission) -> Averages:
     ends = [*mission.tests(), mission.time_h]
     first, *at_ends = solution.many(mission.columns([(Fraction(0), 0.0), *((end, 0.0) for end in ends)]))
     if not mission.changing:
-        around = Bounds(*(solution.bounds or (first, first)))
-        why = "no event below the top event has a rate"
-        return Averages(time, around, solution.exact, None, None, None, first, "constant", 1, why)
+        exact, why = solution.exact, "no event below the top event has a rate"
+        around = Bounds(*(solution.bounds or (first, first))) if exact is None else Bounds.of(exact)
+        return Averages(None, around, exact, None, None, None, first, "constant", 1, why)
     certified = mission.is_coherent and all(event.is_bounded for event in mission.changing.values())
     total = _certified(mission, ends) if certified else _estimated(mission, ends)
     down, failures, epsilon = total.down, total.failures, rounding(solution, len(ends))

@@ -9,6 +9,7 @@ from typing import Any
 
 from safety.rates.enclosure import INFINITE, Enclosure, Extended
 from safety.rates.exceptions import NumericsFailed
+from safety.trees.draft import at
 from safety.trees.dynamic import DynamicTree
 from safety.trees.dynamic_mean import bounded_mean_time
 from safety.trees.dynamic_sequences import LONGEST, cut_sequences
@@ -40,7 +41,8 @@ def dynamic_summary(
     the order of simultaneous failures would change the result and ties="refuse", TooLarge, NumericsFailed.
     """
     started = time.perf_counter()
-    solution = solve_dynamic(tree, ties=ties)
+    with at(source):
+        solution = solve_dynamic(tree, ties=ties)
     end = None if mission_time_h is None else exact(mission_time_h, "mission_time_h")
     if end is not None and end < 0:
         raise TreeError(f"mission_time_h is {end}, expected 0 or more hours")

@@ -13,9 +13,9 @@ from typing import Any, NamedTuple
 from safety.trees import kernel
 from safety.trees.flatten import flatten
 from safety.trees.kernel.flat import AND, OR, XOR, FlatGraph
-from safety.trees.recursion import recursion_of
-from safety.trees.solve import HALF_ULP, Part, TooLarge, _Parts
-from safety.trees.tree import FaultTree
+from safety.trees.recursion import deeply
+from safety.trees.solve import Part, TooLarge, _Parts
+from safety.trees.tree import HALF_ULP, FaultTree
 
 BUDGETS = (20_000, 200_000)  # nodes of a module's diagram, every order tried with each, before it is left open
 KEEP = (300, 300, 300, 1000, 1000, 1000, 3000, 3000)  # nodes of a gate's functions in the rounds
@@ -50,9 +50,12 @@ def enclose(
 
     They are the same on every run. None if an event below the top has no probability.
     """
-    with recursion_of(len(tree.events) + len(tree.gates)):
+
+    def work() -> Enclosed | None:
         graph = kernel.load("graph", interpreted).reduce(flatten(tree))
         return _Enclosing(tree, graph, budgets, interpreted).bounds(enough)
+
+    return deeply(len(tree.events) + len(tree.gates), work)
 
 
 class _Enclosing:

@@ -59,13 +59,15 @@ def _texts(paths: Sequence[Path]) -> list[tuple[str, bytes]]:
         file = str(os.fspath(path))
         try:
             with open(file, "rb") as stream:
-                texts.append((file, stream.read(LARGEST + 1)))
+                size = os.fstat(stream.fileno()).st_size  # 0 for a pipe
+                content = stream.read(LARGEST + 1) if size <= LARGEST else b""
         except OSError as error:
             raise TreeError(f"{file}: cannot be read ({error.strerror}); correct the path") from None
         except ValueError:  # a NUL in the path
             raise TreeError(f"{file!r} is no path of a file; correct it") from None
-        if len(texts[-1][1]) > LARGEST:
+        if max(size, len(content)) > LARGEST:
             raise TreeError(f"{file}: longer than {LARGEST >> 20} MB; split it into several files")
+        texts.append((file, content))
     return texts
 
 

@@ -10,8 +10,6 @@ from collections import defaultdict
 from collections.abc import Collection, Iterable, Mapping
 from itertools import combinations, product
 
-from safety.trees.drawing import drawn
-from safety.trees.factoring import factored
 from safety.trees.solve import TooLarge, solve
 from safety.trees.tree import BasicEvent, FaultTree, Gate, HouseEvent, TreeError
 
@@ -50,6 +48,9 @@ def from_cut_sets(
     if not sets or frozenset() in sets:
         house = HouseEvent(f"{name}: {'no failure needed' if sets else 'no cut set'}", bool(sets))
         return FaultTree(name, name, (Gate(name, "or", (house.name,), description=description),), events, (house,))
+    from safety.trees.drawing import drawn  # not to be imported by who only reads and solves
+    from safety.trees.factoring import factored
+
     formula = factored(frozenset(rank[event] for event in one) for one in sets)
     tree = FaultTree(name, name, drawn(name, formula, list(rank), description, titles), events)
     _check_given_back(tree, sets)

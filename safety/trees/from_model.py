@@ -24,6 +24,7 @@ from safety.prove.problem import build_problem
 from safety.prove.record import cut_set_entry
 from safety.system import ModelError, nearest
 from safety.trees.from_cut_sets import from_cut_sets
+from safety.trees.importance_of_gates import importance_of_gates, plain
 from safety.trees.solve import solve
 from safety.trees.summary import summary
 from safety.trees.tree import TAGS, BasicEvent, FaultTree, exact
@@ -67,6 +68,8 @@ def tree_entry(found: CutSets, hazard: Hazard, seconds: float | None = None) -> 
         "hours": hazard.hours,
         "as_expected": not hazard.expect or by_order == dict(hazard.expect),
     }
+    if entry["probability"] is not None:
+        entry["gate_importance"] = [plain(one) for one in importance_of_gates(tree).values()]
     if not entry["as_expected"]:
         entry["note"] = f"cut sets by order {_orders(by_order)}, expected {_orders(hazard.expect)}"
     return entry | _bounds(entry, found, hazard)

@@ -61,6 +61,11 @@ def mean_time_to_failure(tree: FaultTree) -> MeanTime:
     changes and can prevent the top event; no event below the top that changes. Raises TooLarge.
     """
     mission = Mission(tree, 1)  # only the behaviours count
+    if not mission.changing:
+        raise TreeError(
+            f'no event below the top of fault tree "{tree.name}" has a failure rate, so there is no mean time to '
+            "failure; give the events rates"
+        )
     events = _not_repaired(mission)
     successes = solve(_opposite(tree))
     never = _reliability(successes, [float(1 - event.scale * event.limit) for event in events])

@@ -62,18 +62,16 @@ class Occurrences(NamedTuple):
 class Mission:
     """A solved tree with what each of its events does over time.
 
-    Raises TreeError: an event without a probability, no mission time, events whose mission times differ; and TooLarge.
+    Raises TreeError: an event without a probability, a mission time of 0, mission times that differ; and TooLarge.
     """
 
     def __init__(self, tree: FaultTree, mission_time_h: Rational | None = None) -> None:
         found = mission_time(tree) if mission_time_h is None else exact(mission_time_h, "the mission time")
-        if found is None:
-            raise TreeError(f'fault tree "{tree.name}" has no mission time; give it mission_time_h (hours)')
-        if found <= 0:
-            raise TreeError(f"the mission time is {float(found):g} h, expected more than 0; correct it")
-        self.tree, self.time_h = tree, found
-        self.effects = effects(tree)
         self.events: list[Behaviour] = behaviours(tree)
+        if found is not None and found <= 0:
+            raise TreeError(f"the mission time is {float(found):g} h, expected more than 0; correct it")
+        self.tree, self.time_h = tree, Fraction(1) if found is None else found  # without one nothing changes
+        self.effects = effects(tree)
         self.solution: Solution = solve(tree)
 
     @cached_property

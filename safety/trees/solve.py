@@ -8,18 +8,21 @@ from array import array
 from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
 from functools import cached_property
-from typing import Any, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 from safety.trees import kernel
 from safety.trees.flatten import flatten
 from safety.trees.importance import Importance, measures
 from safety.trees.kernel.flat import FlatGraph
 from safety.trees.listing import Families
-from safety.trees.recursion import recursion_of
+from safety.trees.recursion import deeply
 from safety.trees.tree import HALF_ULP, FaultTree, TreeError
 
+if TYPE_CHECKING:
+    from safety.trees.exact import Exact
+
 BUDGETS = (20_000, 200_000, 2_000_000, 25_000_000)  # nodes; orders are tried with each before the next
-KEPT = (None, None, 6, 3)  # orders tried with each budget: those that got furthest with the one before, and the first
+KEPT = (None, None, 6, 2)  # orders tried with each budget: those that got furthest with the one before, and the first
 FAMILY_BUDGET = 40_000_000  # nodes of the diagram of cut sets
 CHUNK = 2048  # samples evaluated at once, a multiple of the kernel's block
 T = TypeVar("T", bound=Any)  # a number of any arithmetic
@@ -79,7 +82,7 @@ class Solution:
             return None
         worst = max((self.tree.events[i - 1].chance_error for i in self._below), default=0.0)
         levels = sum(len(part.order) for part in self.parts)
-        error = 1.01 * levels * (2 * HALF_ULP + worst)
+        error = math.expm1(min(1.01 * levels * (2 * HALF_ULP + worst), 700.0))
         return max(0.0, self.probability * (1 - error)), min(1.0, self.probability * (1 + error))
 
     @property
@@ -151,7 +154,7 @@ class Solution:
         result = array("d")
         for chunk in self._chunks(columns):
             row = 2 * chunk.width * self.parts[-1].number
-            result.extend(chunk.chance[row : row + chunk.count])
+            result.extend(chunk.chance[row : row + chunk.samples])
         return result
 
     def many_derivatives(self, columns: Any) -> array[float]:
@@ -167,8 +170,8 @@ class Solution:
                 part.diagram.slopes(rows, chunk.chance, width, part.number, slope)
             for i in range(len(self.events)):
                 first = width * (i + 1)
-                result[i * total + chunk.first : i * total + chunk.first + chunk.count] = slope[
-                    first : first + chunk.count
+                result[i * total + chunk.first : i * total + chunk.first + chunk.samples] = slope[
+                    first : first + chunk.samples
                 ]
         return result
 
@@ -239,8 +242,10 @@ class Solution:
         families, members = kernel.load("families", self._interpreted), {}
         for part in self.parts:
             diagram = part.diagram
-            with recursion_of(len(part.order)):
-                family = families.Family(diagram.level, diagram.high, diagram.low, diagram.root, FAMILY_BUDGET)
+            family = deeply(
+                len(part.order),
+                lambda d=diagram: families.Family(d.level, d.high, d.low, d.root, FAMILY_BUDGET),  # type: ignore[misc]
+            )
             if family.full:
                 raise TooLarge(
                     f'fault tree "{self.tree.name}": the diagram of its minimal cut sets needs more than '
@@ -250,7 +255,7 @@ class Solution:
         return Families(members, self.parts[-1].number)
 
     @cached_property
-    def _exact(self) -> Any:
+    def _exact(self) -> Exact:
         from safety.trees.exact import Exact
 
         return Exact(self.tree, self.parts)
@@ -259,17 +264,17 @@ class Solution:
 class _Chances(NamedTuple):
     occurs: array[float]
     fails: array[float]
-    edges: list[tuple[array[float], array[float], array[float]]]
+    edges: list[tuple[array[float], ...]]  # of each diagram: by level that the variable is true, false; of its edges
 
 
 class _Chunk(NamedTuple):
     first: int
-    count: int
+    samples: int
     width: int
     chance: array[float]
 
 
-def _doubles(columns: Any) -> memoryview:
+def _doubles(columns: Any) -> memoryview[float]:
     """The values of a buffer of doubles in one row."""
     view = memoryview(columns)
     if view.format != "d" or not view.c_contiguous:
@@ -282,9 +287,12 @@ def solve(tree: FaultTree, budgets: Sequence[int] = BUDGETS, *, interpreted: boo
 
     Raises TooLarge when a module fits into none of the `budgets` (nodes) under any order tried.
     """
-    with recursion_of(len(tree.events) + len(tree.gates)):
+
+    def work() -> Solution:
         graph = kernel.load("graph", interpreted).reduce(flatten(tree))
         return Solution(tree, graph, _Parts(tree, graph, budgets, interpreted).all(), interpreted)
+
+    return deeply(len(tree.events) + len(tree.gates), work)
 
 
 class _Parts:
@@ -292,8 +300,8 @@ class _Parts:
 
     def __init__(self, tree: FaultTree, graph: FlatGraph, budgets: Sequence[int], interpreted: bool) -> None:
         self.tree, self.graph, self.budgets = tree, graph, budgets
-        self.modules, self.members, self.orders, self.diagrams = (
-            kernel.load(name, interpreted) for name in ("modules", "members", "orders", "diagram")
+        self.modules, self.members, self.orders, self.builder, self.diagrams = (
+            kernel.load(name, interpreted) for name in ("modules", "members", "orders", "builder", "diagram")
         )
         self.numbers = graph.variables + len(graph) + 1
         self.constants: dict[int, int] = {0: 0}
@@ -317,11 +325,11 @@ class _Parts:
     def _literal(self, literal: int) -> Part:
         """A top event that is a basic event, its opposite or a constant."""
         order = [literal >> 1] if literal > 1 else []
-        builder = self.diagrams.Builder(len(order), 2)
+        builder = self.builder.Builder(len(order), 2)
         root = builder.variable(0) ^ (literal & 1) if order else literal
-        return Part(self.numbers, order, builder.finish(root))
+        return Part(self.numbers, order, self.diagrams.Diagram(*builder.finish(root)))
 
-    def _module(self, number: int, is_module: array[int], flip: int) -> Part:
+    def _module(self, number: int, is_module: bytearray, flip: int) -> Part:
         gates, _ = self.members.members(self.graph, number, is_module)
         orders, usual = self.orders.orders(self.graph, number, is_module), None
         for budget, kept in itertools.zip_longest(self.budgets, KEPT[: len(self.budgets)], fillvalue=KEPT[-1]):
@@ -329,7 +337,7 @@ class _Parts:
             for order in itertools.islice(orders, kept):
                 builder, root = self._built(gates, order, budget)
                 if root >= 0:
-                    return Part(number, order, builder.finish(root ^ flip))
+                    return Part(number, order, self.diagrams.Diagram(*builder.finish(root ^ flip)))
                 tried.append((builder.done, order))
             usual = usual or tried[0][1]
             orders = [order for _, order in sorted(tried, key=lambda one: (-one[0], one[1] is not usual))]
@@ -342,7 +350,7 @@ class _Parts:
 
     def _built(self, gates: array[int], order: Sequence[int], budget: int) -> tuple[Any, int]:
         """A builder and the root of the module in it, below 0 where it needs more than the budget."""
-        builder = self.diagrams.Builder(len(order), budget)
+        builder = self.builder.Builder(len(order), budget)
         edge_of = array("i", bytes(4 * self.numbers))
         for level, number in enumerate(order):
             edge_of[number] = builder.variable(level)

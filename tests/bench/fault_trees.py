@@ -7,7 +7,7 @@ of the rounds counts, and one that runs for more than five seconds or into the l
 cut sets, some of them millions, and we the smallest: it is stopped where its listing begins, unless `--listing` is
 given. The kernels: our simplification, diagrams, probability and cut sets by order, in a process of its own after
 reading, the best of three; SCRAM's the times that it reports for products and probability. A ratio is SCRAM's time by
-ours. Trees: the public ones of $RIGHTSIDE_ORACLES, and those that come with SCRAM.
+ours. Trees: the public ones of $RIGHTSIDE_ORACLES, and those that come with SCRAM, whose mission time is 8760 h.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ COMMAND = "import sys; from safety.commands import main; sys.exit(main(sys.argv[
 KERNEL = """
 import json, sys, time
 from safety.trees import read, solve
-tree, times = read(*sys.argv[1:]), []
+tree, times = read(*sys.argv[1:], mission_time_h=8760), []
 while len(times) < 3 and sum(times) < 5:
     began = time.perf_counter()
     solution = solve(tree)
@@ -109,7 +109,7 @@ def ours(files: Sequence[Path], out: Path, limit: float) -> Run:
     """Our command, as installed, else from the project's folder."""
     installed = program("rightside")
     start = [installed] if installed else [sys.executable, "-c", COMMAND]
-    run, _ = process([*start, "tree", *files, "--json", out], limit, here=not installed)
+    run, _ = process([*start, "tree", *files, "--hours", "8760", "--json", out], limit, here=not installed)
     if not run.solved:
         return run
     (entry,) = json.loads(out.read_text(encoding="utf-8"))["trees"]
@@ -181,7 +181,8 @@ def agree(a: Run, b: Run) -> str:
 def figures(pairs: dict[str, tuple[Run, Run]], limit: float) -> list[str]:
     """Ratios over all trees."""
     both = [pair for pair in pairs.values() if pair[0].solved and pair[1].solved]
-    capped = [tuple(run.wall if run.solved else limit for run in pair) for pair in pairs.values()]
+    failed = [name for name, pair in pairs.items() if any(not run.solved and run.wall < limit for run in pair)]
+    capped = [(own.wall, theirs.wall) for name, (own, theirs) in pairs.items() if name not in failed]
     walls = [theirs.wall / own.wall for own, theirs in both]
     kernels = [r for own, theirs in both if (r := theirs.kernel / own.kernel) > 0]
     worst = min(
@@ -189,7 +190,8 @@ def figures(pairs: dict[str, tuple[Run, Run]], limit: float) -> list[str]:
     )
     lines = [
         f"{len(pairs)} trees; solved by us {sum(p[0].solved for p in pairs.values())}, "
-        f"by SCRAM {sum(p[1].solved for p in pairs.values())}, by both {len(both)}",
+        f"by SCRAM {sum(p[1].solved for p in pairs.values())}, by both {len(both)}"
+        + (f"; ended with an error: {', '.join(failed)}" if failed else ""),
         f"whole process, those both solve: median {statistics.median(walls):.2f}, "
         f"geometric mean {statistics.geometric_mean(walls):.2f}, worst {worst[0]:.2f} ({worst[1]}), "
         f"slower on {sum(r < 1 for r in walls)}",

@@ -83,6 +83,14 @@ def test_staggered_tests_are_better_than_those_at_once():
     )
     assert staggered.unavailability.high < 0.7 * at_once.unavailability.low
 
+    def integral(ahead):
+        """Over 500 h from the test of one, `ahead` hours after that of the other."""
+        once, later = -math.expm1(-0.05) / 1e-4, math.exp(-1e-4 * ahead)
+        return 500 - once * (1 + later) + later * -math.expm1(-0.1) / 2e-4
+
+    exact = (integral(0) + 19 * integral(500)) / 10_000  # the tests of one at 500, 1500, ..., of the other at 1000, ...
+    assert sum(staggered.unavailability) / 2 == pytest.approx(exact, rel=1e-11)
+
 
 def test_estimates_are_called_so():
     """exp(-(t/a)^2) integrates to an error function."""

@@ -347,6 +347,12 @@ def test_a_file_too_large_is_not_read(tmp_path, size):
         read(tmp_path / "f")
 
 
+def test_a_pipe_that_does_not_end_is_cut_off(tmp_path, monkeypatch):
+    monkeypatch.setattr("safety.trees.formats.LARGEST", 1000)
+    with pytest.raises(TreeError, match="/dev/zero: longer than 0 MB"):
+        read("/dev/zero")
+
+
 def test_what_cannot_be_opened(tmp_path):
     for path in (tmp_path / "absent.xml", tmp_path, "\0"):
         with pytest.raises(TreeError, match=r"cannot be read \(.*\); correct the path|is no path of a file"):

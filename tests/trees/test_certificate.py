@@ -14,6 +14,7 @@ import pytest
 from safety.trees import BasicEvent, FaultTree, Gate, HouseEvent, read, solve
 from safety.trees import check_tree as checker
 from safety.trees.certificate import certificate, write
+from safety.trees.lifetimes import Weibull
 from tests.oracles import SHARED
 from tests.trees.brute import Truth, by_order
 from tests.trees.random_trees import random_tree
@@ -162,6 +163,14 @@ def test_rates_are_enclosed(x):
     low, high = (Fraction(bound, checker.ONE) for bound in checker.chance(document["tree"]["events"][0][1]))
     assert low <= high <= low + Fraction(1, 10**300)
     assert math.isclose(low, -math.expm1(-float(Fraction(x))), rel_tol=1e-15)
+
+
+def test_an_expression_stands_with_what_it_comes_to():
+    events = (BasicEvent("a", expression=Weibull(1000, 1.5, 0, 80)), BasicEvent("b", "1/3"))
+    solution = solve(FaultTree("t", "top", (Gate("top", "and", ("a", "b")),), events))
+    document = certificate(solution)
+    assert float(document["tree"]["events"][0][1]) == events[0].chance[0]
+    assert verdict(document) == checker.CHECKED
 
 
 def test_without_probabilities_function_and_cut_sets_are_certified():

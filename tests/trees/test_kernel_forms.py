@@ -68,16 +68,16 @@ def test_both_forms_keep_to_the_budget():
 
 # What is planted: the file, what stands there, what is put in its place, and so on.
 BUGS = {
-    "a complement is lost": ("diagram", "        low ^= flip\n", ""),
-    "children are swapped": ("diagram", "high = self.both(f1, g1)", "high = self.both(f1, g0)"),
-    "a cache key lacks g": ("diagram", " and self.cache[entry + 1] == g", ""),
-    "the lower level is split": ("diagram", "min(self.node[a], self.node[b])", "max(self.node[a], self.node[b])"),
-    "a node is known without its level": ("diagram", " and self.node[at] == level", ""),
-    "a vote counts one too few": ("diagram", "range(min(k, i + 1), 0, -1)", "range(min(k, i), 0, -1)"),
-    "a vote counts an input twice": ("diagram", "range(min(k, i + 1), 0, -1)", "range(1, min(k, i + 1) + 1)"),
-    "xor with true": ("diagram", "return g ^ 1 ^ flip", "return g ^ flip"),
-    "an or begins with true": ("diagram", "result = 0 if kind == AND else 1", "result = 0"),
-    "the last numbering loses complements": ("diagram", " + (self.node[at + 2] & 1)", ""),
+    "a complement is lost": ("builder", "        low ^= flip\n", ""),
+    "children are swapped": ("builder", "high = self.both(f1, g1)", "high = self.both(f1, g0)"),
+    "a cache key lacks g": ("builder", " and self.cache[entry + 1] == g", ""),
+    "the lower level is split": ("builder", "min(self.node[a], self.node[b])", "max(self.node[a], self.node[b])"),
+    "a node is known without its level": ("builder", " and self.node[at] == level", ""),
+    "a vote counts one too few": ("builder", "range(min(k, i + 1), 0, -1)", "range(min(k, i), 0, -1)"),
+    "a vote counts an input twice": ("builder", "range(min(k, i + 1), 0, -1)", "range(1, min(k, i + 1) + 1)"),
+    "xor with true": ("builder", "return g ^ 1 ^ flip", "return g ^ flip"),
+    "an or begins with true": ("builder", "result = 0 if kind == AND else 1", "result = 0"),
+    "the last numbering loses complements": ("builder", " + (self.node[at + 2] & 1)", ""),
     "the chance of an opposite": ("diagram", "chance[l ^ 1]", "chance[l]"),
     "importance below a complement": ("diagram", "child = self.low[i] ^ side", "child = self.low[i]"),
     "importance of skipped variables": ("diagram", "sums[stop] += value", "sums[start] += value"),
@@ -147,7 +147,7 @@ def test_a_planted_bug_is_found(bug, plant):
 def test_what_is_planted_is_gone_again(plant):
     plant(*BUGS["children are swapped"])
     assert found_by(range(20)) is not None
-    plant("diagram", "high = self.both(f1, g1)", "high = self.both(f1, g1)")
+    plant("builder", "high = self.both(f1, g1)", "high = self.both(f1, g1)")
     assert found_by(range(20)) is None
 
 

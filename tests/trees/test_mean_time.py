@@ -6,9 +6,9 @@ from fractions import Fraction
 import pytest
 
 from safety.rates.markov import Chain, mean_time
-from safety.trees import Gate, TreeError
+from safety.trees import BasicEvent, FaultTree, Gate, TreeError
 from safety.trees import mean_time as mean_time_module
-from safety.trees.expressions import Operation
+from safety.trees.expressions import Constant, Operation
 from safety.trees.lifetimes import Exponential, Glm, Weibull
 from safety.trees.mean_time import mean_time_to_failure
 from tests.trees.over_time import L, M, T, expansion, inside, rated, voted
@@ -53,9 +53,27 @@ def test_mean_time_is_refused_where_it_is_not_the_integral():
         mean_time_to_failure(voted(1, [Glm(0, L, M, T)]))
     with pytest.raises(TreeError, match='"e0" is repaired, tested'):
         mean_time_to_failure(voted(1, [Weibull(100, 2, 0, T)]))
+    with pytest.raises(TreeError, match='no event below the top of fault tree "voted" has a failure rate'):
+        mean_time_to_failure(voted(1, [Constant(1)]))
     tree = voted(1, [Exponential(L, T)])
     negated = replace(tree, top="none", gates=(*tree.gates, Gate("none", "not", ("top",))))
     with pytest.raises(TreeError, match='"e0" can prevent the top event'):
         mean_time_to_failure(negated)
     # scaled by 1/2 it may never fail
     assert mean_time_to_failure(voted(1, [Operation("mul", Fraction(1, 2), Exponential(L, T))])).never == 0.5
+
+
+def test_constants_may_act_both_ways(monkeypatch):
+    """One of two parts is in use, by chance: 0.7 / L + 0.3 / (2 L)."""
+    gates = (
+        Gate("top", "or", ("first", "second")),
+        Gate("first", "and", ("a", "not c")),
+        Gate("second", "and", ("b", "c")),
+        Gate("not c", "not", ("c",)),
+    )
+    events = BasicEvent("a", rate_per_hour=L), BasicEvent("b", rate_per_hour=2 * L), BasicEvent("c", Fraction(3, 10))
+    tree = FaultTree("t", "top", gates, events, mission_time_h=1)
+    assert mean_time_to_failure(tree).exact == Fraction(17, 20) / L
+    monkeypatch.setattr(mean_time_module, "MOST_TERMS", 0)
+    found = mean_time_to_failure(tree)
+    assert found.method == "estimated" and inside(Fraction(17, 20) / L, found.bounds)

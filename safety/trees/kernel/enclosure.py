@@ -8,8 +8,7 @@ to it times the change, under a `measure` of the variables that need not be thei
 
 This file runs compiled (Cython) and interpreted, with the same results.
 
-Source: K. Ravi, K. L. McMillan, T. R. Shiple, F. Somenzi, "Approximation and Decomposition of Binary Decision
-Diagrams", DAC 1998.
+Source: K. Ravi and others, "Approximation and Decomposition of Binary Decision Diagrams", DAC 1998.
 """
 
 from array import array
@@ -289,9 +288,7 @@ class Enclosure:
     def step(self, operation: cython.int, f: cython.int, g: cython.int) -> cython.int:
         """`combine`, trimmed."""
         before: cython.int = self.count
-        if f < 0 or g < 0:
-            return FULL
-        result: cython.int = self.combine(operation, f, g)
+        result: cython.int = FULL if f < 0 or g < 0 else self.combine(operation, f, g)
         if result < 0 or self.count - before < self.keep // 4:
             return result
         return self.trim(result)
@@ -325,9 +322,7 @@ class Enclosure:
                 edges[n + j] = self.step(OR, edges[n + j], edge)
         return edges[n + k]
 
-    @cython.locals(
-        g=cython.int, i=cython.int, j=cython.int, c=cython.int, n=cython.int, side=cython.int, edge=cython.int
-    )
+    @cython.locals(g=cython.int, i=cython.int, j=cython.int, n=cython.int, side=cython.int, edge=cython.int)
     def round(
         self, flat, gates: cython.int[::1], order: cython.int[::1], measure: cython.double[::1], keep: cython.int
     ):
@@ -375,10 +370,10 @@ class Enclosure:
                             edge, self.exact = side, False
                 edges[2 * gates[i] + side] = edge
             for j in range(start[g], start[g + 1]):
-                c = inputs[j] >> 1
-                uses[c] -= 1
-                if uses[c] == 0 and c >= first:
-                    edges[2 * c] = edges[2 * c + 1] = FALSE
+                n = inputs[j] >> 1
+                uses[n] -= 1
+                if uses[n] == 0 and n >= first:
+                    edges[2 * n] = edges[2 * n + 1] = FALSE
         self.collect(edges)
         for side in range(2):
             self.side, self.keep = side, self.room // 16

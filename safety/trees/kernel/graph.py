@@ -28,6 +28,7 @@ FEW, MANY = 1, 8  # copies of a gate, in different contexts
 absorb = load("absorb", interpreted=not cython.compiled).absorb
 gather = load("modules", interpreted=not cython.compiled).gather
 merge = load("merge", interpreted=not cython.compiled).merge
+written = load("written", interpreted=not cython.compiled).written
 
 
 def reduce(flat):
@@ -49,7 +50,7 @@ def reduce(flat):
             copies = MANY
         else:
             break
-    return gather(written(best))
+    return gather(written(best, references(best)))
 
 
 def simplified(flat, copies: cython.int):
@@ -63,12 +64,7 @@ def simplified(flat, copies: cython.int):
 
 def shared_gates(flat):
     """Whether some gate has more than one user, so that copies of it could be absorbed into each apart."""
-    refs: cython.int[::1] = references(flat)
-    i: cython.int
-    for i in range(flat.variables + 1, len(refs)):
-        if refs[i] > 1:
-            return True
-    return False
+    return max(references(flat)[flat.variables + 1 :], default=0) > 1
 
 
 def cost(flat):
@@ -384,71 +380,3 @@ def signed(flat, coalesce: cython.bint = True):
                     n += 1
         literal_of[first + g] = gates.gate(kind[g], k[g], n)
     return gates.graph(literal_of[flat.root >> 1] ^ (flat.root & 1))
-
-
-def written(flat):
-    """A signed graph with ands and ors, without the gates that the root does not reach.
-
-    A gate is written as it is or as its complement: as the one that is monotone, else as the one that is used.
-    """
-    kind: cython.int[::1] = flat.kind
-    k: cython.int[::1] = flat.k
-    start: cython.int[::1] = flat.start
-    inputs: cython.int[::1] = flat.inputs
-    first: cython.int = flat.variables + 1
-    count: cython.int = len(kind)
-    refs: cython.int[::1] = references(flat)
-    plain: cython.char[::1] = bytearray(first + count)  # used as it is, by index
-    literal_of: cython.int[::1] = array("i", range(0, 2 * (first + count), 2))
-    monotone: cython.char[::1] = bytearray(2 * (first + count))  # by literal as written
-    g: cython.int
-    i: cython.int
-    literal: cython.int
-    flip: cython.int
-    both: cython.int
-    made: cython.int = 0
-    n: cython.int = 0
-    new_kind: cython.int[::1] = array("i", bytes(4 * count + 4))
-    new_k: cython.int[::1] = array("i", bytes(4 * count + 4))
-    new_start: cython.int[::1] = array("i", bytes(4 * count + 8))
-    new_inputs: cython.int[::1] = array("i", bytes(4 * len(inputs) + 4))
-    plain[flat.root >> 1] = not flat.root & 1
-    for g in range(count - 1, -1, -1):
-        if refs[first + g]:
-            for i in range(start[g], start[g + 1]):
-                plain[inputs[i] >> 1] |= (inputs[i] & 1) ^ plain[first + g]
-    for i in range(first):
-        monotone[2 * i] = 1
-    for g in range(count):
-        if refs[first + g] == 0:
-            continue
-        both = 3  # monotone as it is, as its complement
-        for i in range(start[g], start[g + 1]):
-            literal = literal_of[inputs[i] >> 1] ^ (inputs[i] & 1)
-            both &= monotone[literal] + 2 * monotone[literal ^ 1]
-            new_inputs[n + i - start[g]] = literal
-        if kind[g] == XOR:
-            both = 0
-        flip = both == 2 or (both == 0 and kind[g] != XOR and not plain[first + g])
-        new_kind[made], new_k[made] = kind[g], k[g]
-        if flip:
-            for i in range(n, n + start[g + 1] - start[g]):
-                new_inputs[i] ^= 1
-            if kind[g] == AND:
-                new_kind[made] = OR
-            else:
-                new_k[made] = start[g + 1] - start[g] - k[g] + 1
-        literal_of[first + g] = 2 * (first + made) + flip
-        monotone[2 * (first + made)] = both != 0
-        n += start[g + 1] - start[g]
-        made += 1
-        new_start[made] = n
-    root = literal_of[flat.root >> 1] ^ (flat.root & 1)
-    return FlatGraph(
-        flat.variables,
-        array("i", new_kind[:made]),
-        array("i", new_k[:made]),
-        array("i", new_start[: made + 1]),
-        array("i", new_inputs[:n]),
-        root,
-    )
