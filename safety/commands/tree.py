@@ -28,8 +28,9 @@ rightside tree permit.xml --certificate permit.cert.json  for `rightside check`
 rightside tree permit.dft --export permit.xml             from one format into another
 """
 OF_FILES: dict[str, object] = {  # options that belong to tree files, with their values when not given
-    "top": None, "hours": None, "export": [], "certificate": None, "likeliest": False, "exact": False, "gates": False, "joint": False,
+    "top": None, "hours": None, "export": [], "certificate": None, "likeliest": False, "exact": False, "gates": False, "joint": False, "prime_implicants": None,
     "uncertainty": None, "lhs": False, "seed": None, "correlation": None, "sensitivity": False, "target": [], "curve": None, "sil": False,
+    "ties": "refuse",
 }  # fmt: skip
 
 
@@ -43,6 +44,7 @@ def add_arguments(parser: ArgumentParser) -> None:
     group.add_argument("--likeliest", action="store_true", help="list the likeliest cut sets, not the smallest")
     group.add_argument("--exact", action="store_true", help="the probability as a rational, however large the tree")
     group.add_argument("--gates", action="store_true", help="importance of gates as well")
+    group.add_argument("--prime-implicants", metavar="N", type=_samples, help="count them, and list N (with not or xor)")
     group.add_argument("--joint", action="store_true", help="joint importance of pairs, differential importance")
     group.add_argument("--uncertainty", metavar="N", type=_samples, help="N samples of the data's distributions")
     group.add_argument("--lhs", action="store_true", help="Latin hypercubes instead of independent samples")
@@ -62,6 +64,8 @@ def add_arguments(parser: ArgumentParser) -> None:
     group.add_argument("--export", metavar="FILE", action="append", default=[],
                        help="write the tree as .xml, .json, .dag, .dft or .dot; may be repeated")  # fmt: skip
     group.add_argument("--certificate", metavar="FILE", help="write what `rightside check` needs to check the result")
+    group.add_argument("--ties", choices=("refuse", "as written"), default="refuse",
+                       help="with dynamic gates: what failures at the same moment mean, if their order counts")  # fmt: skip
     options.add_selection(parser)
     options.add_work(parser)
 

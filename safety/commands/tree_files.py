@@ -11,7 +11,7 @@ from safety.commands import CommandError
 from safety.commands.output import data, probe
 from safety.report.files import dumps, write_text
 from safety.trees.formats import LARGEST, read
-from safety.trees.solve import Solution, solve
+from safety.trees.solve import Solution, TooLarge, solve
 from safety.trees.summary import LISTED, entry_of
 from safety.trees.tree import FaultTree, TreeError, exact
 from safety.commands.versions import VERSION
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
     from safety.report.schema import Entry
 
-NOT_AS_ASKED = 1
+NOT_AS_ASKED, WEAKER = 1, 4
 FEW_GATES = 60  # of a tree in whose picture the importance of gates is shown unasked
 QUICKLY_EXACT = 30  # nodes of a diagram that is evaluated in rationals unasked
 
@@ -31,6 +31,8 @@ def solve_files(args: Namespace) -> tuple[list[Entry], int]:
     """The entries for the files, written as JSON where asked; and the exit code."""
     if args.keyword or args.req or args.lf or args.settings:
         raise CommandError("-k, --req, --lf and --set choose among a project's hazards; leave them out with a FILE")
+    if args.ties != "refuse" and not all(b"toplevel" in _content(file) for file in args.files):
+        raise CommandError("--ties is of dynamic trees in Galileo text; leave it out")
     if args.uncertainty is None and (args.lhs or args.correlation or args.seed is not None):
         raise CommandError("--lhs, --seed and --correlation are of --uncertainty N; add it")
     if args.json:
@@ -43,7 +45,9 @@ def solve_files(args: Namespace) -> tuple[list[Entry], int]:
         data(dumps(results).rstrip("\n"))
     elif args.json:
         write_text(args.json, dumps(results))
-    return entries, NOT_AS_ASKED if any(entry.get("wrong") for entry in entries) else 0
+    if any(entry.get("wrong") for entry in entries):
+        return entries, NOT_AS_ASKED
+    return entries, WEAKER if any(entry.get("note") for entry in entries) else 0
 
 
 def _static(args: Namespace) -> Entry:
@@ -85,13 +89,46 @@ def _phases(args: Namespace) -> list[Entry]:
 
 def _solved(args: Namespace, tree: FaultTree, read_s: float | None) -> Entry:
     began = time.perf_counter()
-    solution = solve(tree)
+    try:
+        solution = solve(tree)
+    except TooLarge as why:
+        return _enclosed(args, tree, read_s, why)
     entry = entry_of(
         solution, source=", ".join(args.files), read_s=read_s, solve_s=time.perf_counter() - began,
         likeliest=args.likeliest, exact_nodes=inf if args.exact else QUICKLY_EXACT,
     )  # fmt: skip
     entry |= _more(args, tree, solution)
     return entry
+
+
+def _enclosed(args: Namespace, tree: FaultTree, read_s: float | None, why: TooLarge) -> Entry:
+    """The entry of a tree that no diagram fits: certified bounds of its probability."""
+    from safety.trees.enclosures import enclose
+    from safety.trees.json_form import to_document
+
+    began = time.perf_counter()
+    for name, default in _options().items():
+        if name not in ("top", "hours", "ties") and getattr(args, name) != default:
+            raise TooLarge(f"{why}; --{name} needs the diagram, without it certified bounds are given")
+    found = enclose(tree)
+    if found is None:
+        raise why
+    solve_s = time.perf_counter() - began
+    return {
+        "id": tree.name,
+        "description": tree.description,
+        "source": ", ".join(args.files),
+        "gates": sum(not gate.inside for gate in tree.gates),
+        "basic_events": len(tree.events),
+        "probability": None,
+        "probability_low": found.lower,
+        "probability_high": found.upper,
+        "minimal_cut_sets": None,
+        "importance": [],
+        "structure": to_document(tree),
+        "note": f"certified bounds: {found.open_modules} modules have no diagram within the budget of nodes",
+        "seconds": {"read": read_s, "solve": solve_s, "total": solve_s + (read_s or 0)},
+    }
 
 
 def _more(args: Namespace, tree: FaultTree, solution: Solution) -> Entry:
@@ -101,6 +138,8 @@ def _more(args: Namespace, tree: FaultTree, solution: Solution) -> Entry:
         from safety.trees.importance_of_gates import importance_of_gates, plain
 
         found["gate_importance"] = [plain(one) for one in importance_of_gates(tree).values()]
+    if args.prime_implicants:
+        found["prime_implicants"] = _primes(solution, args.prime_implicants)
     if args.joint:
         found |= _joint(solution)
     if args.uncertainty:
@@ -124,6 +163,19 @@ def _more(args: Namespace, tree: FaultTree, solution: Solution) -> Entry:
 
         write(tree, path)
     return found
+
+
+def _primes(solution: Solution, listed: int) -> Entry:
+    from itertools import islice
+
+    from safety.trees.prime_implicants import PrimeImplicants
+
+    primes = PrimeImplicants(solution)
+    return {
+        "count": sum(primes.counts()),
+        "by_order": {str(order): number for order, number in enumerate(primes.counts()) if number},
+        "list": [[{"event": name, "occurs": occurs} for name, occurs in one] for one in islice(primes, listed)],
+    }
 
 
 def _joint(solution: Solution) -> Entry:
@@ -191,11 +243,12 @@ def _dynamic(args: Namespace) -> Entry | None:
     tree = read_galileo(text, args.files[0])
     if not tree.dynamic_elements:
         return None
-    _refuse(args, "a dynamic tree")
+    _refuse(args, "a dynamic tree", "ties")
     from safety.trees.dynamic_summary import dynamic_summary
 
     hours: Fraction | None = None if args.hours is None else exact(args.hours, "--hours")
-    return dynamic_summary(tree, hours, source=args.files[0], read_s=time.perf_counter() - began)
+    read_s = time.perf_counter() - began
+    return dynamic_summary(tree, hours, source=args.files[0], read_s=read_s, ties=args.ties)
 
 
 def _events(args: Namespace) -> list[Entry]:
@@ -221,9 +274,13 @@ def _content(path: str) -> bytes:
         return b""
 
 
-def _refuse(args: Namespace, what: str) -> None:
+def _options() -> dict[str, object]:
     from safety.commands.tree import OF_FILES
 
-    for name, default in OF_FILES.items():
-        if name != "hours" and getattr(args, name) != default:
+    return OF_FILES
+
+
+def _refuse(args: Namespace, what: str, *taken: str) -> None:
+    for name, default in _options().items():
+        if name not in ("hours", *taken) and getattr(args, name) != default:
             raise CommandError(f"--{name} is of a static fault tree, and {', '.join(args.files)} holds {what}")

@@ -23,12 +23,9 @@ def told(entry: Entry) -> str:
         return _event_tree(entry)
     if "dynamic" in entry:
         return _dynamic(entry)
-    sets = entry["minimal_cut_sets"]
-    orders = ", ".join(f"{count} of order {order}" for order, count in sets["by_order"].items())
     lines = [
         f"{entry['id']}  {entry.get('statement') or entry.get('description') or ''}".rstrip(),
-        f"{entry['gates']} gates, {entry['basic_events']} basic events; {sets['count']} minimal cut sets"
-        + (f": {orders}" if orders else ""),
+        f"{entry['gates']} gates, {entry['basic_events']} basic events{_counted(entry['minimal_cut_sets'])}",
     ]
     if entry.get("completeness"):
         confirmed, candidate = (sum(entry[name].values()) for name in ("confirmed", "candidate"))
@@ -36,13 +33,22 @@ def told(entry: Entry) -> str:
         if entry.get("minimal_by"):
             lines.append(f"no part of a cut set suffices: {', '.join(entry['minimal_by'])}")
     lines.append(_probability(entry))
+    if entry.get("note") and not entry.get("completeness"):
+        lines.append(entry["note"])
     lines += [*_cut_sets(entry), *_important(entry), *_gates(entry)]
     lines += [line for key, say in EXTRAS.items() if key in entry for line in ("", *say(entry[key]))]
     return "\n".join(lines)
 
 
+def _counted(sets: Entry | None) -> str:
+    if sets is None:
+        return ""
+    orders = ", ".join(f"{count} of order {order}" for order, count in sets["by_order"].items())
+    return f"; {sets['count']} minimal cut sets" + (f": {orders}" if orders else "")
+
+
 def _cut_sets(entry: Entry) -> list[str]:
-    sets = entry["minimal_cut_sets"]
+    sets = entry["minimal_cut_sets"] or {"count": 0, "sets": []}
     rows = [
         [f"#{n}", " & ".join(one["events"]) or "(no fault needed)", _chance(entry, one), one.get("status", "")]
         for n, one in enumerate(sets["sets"][:LISTED])
@@ -155,7 +161,16 @@ def _pairs(found: list[Entry]) -> list[str]:
     return [table(["pair", "joint importance"], rows), *_more(len(found) - len(rows), "pairs")]
 
 
+def _primes(found: Entry) -> list[str]:
+    orders = ", ".join(f"{count} of order {order}" for order, count in found["by_order"].items())
+    lines = [f"{found['count']} prime implicants: {orders}"]
+    for one in found["list"][:LISTED]:
+        lines.append("  " + (" & ".join(("" if x["occurs"] else "not ") + x["event"] for x in one) or "(always)"))
+    return [*lines, *_more(found["count"] - min(LISTED, len(found["list"])), "prime implicants")]
+
+
 EXTRAS: dict[str, Callable[[Any], list[str]]] = {
+    "prime_implicants": _primes,
     "joint_importance": _pairs,
     "uncertainty": _uncertainty,
     "sensitivity": _sensitivity,
@@ -214,7 +229,7 @@ def _probability(entry: Entry) -> str:
         share = f"{number(entry['time_fraction'])} of the time"
         model = f"  ({share}; mean over the phases {number(entry['mean_over_phases'], 6)})"
     if value is None:
-        return f"probability between {number(low)} and {number(high if high is not None else 1.0)}{sign}{model}"
+        return f"probability between {low or 0.0!r} and {1.0 if high is None else high!r}{sign}{model}"
     return f"probability {number(value, 6)}{sign}, enclosed by {low!r} and {high!r}{model}"
 
 

@@ -20,7 +20,7 @@ OPEN, FAILED, NEVER, GONE = range(4)  # may still fail; has failed; cannot fail 
 Columns = Any  # array (rows of a state, number of states) of uint8
 Mask = Any  # array (number of states,) of bool
 MOST_UNITS = 255  # of a spare gate, as a state is made of bytes
-REMEDY = "write the order into the tree, or pass ties='as written'"
+REMEDY = "write the order into the tree, or take it as written (--ties 'as written')"
 
 
 @dataclass(frozen=True)

@@ -62,6 +62,7 @@ def dynamic_summary(
         "exact": None,
         "minimal_cut_sets": None if joined is None else cut_set_rows(joined, LISTED),
         "importance": [] if joined is None else _importance(joined),
+        "structure": _structure(tree),
         "dynamic": {
             "elements": list(tree.dynamic_elements),
             "ties": ties,
@@ -78,6 +79,31 @@ def dynamic_summary(
     }
     solved = time.perf_counter() - started
     return entry | {"seconds": {"read": read_s, "solve": solved, "total": solved + (read_s or 0)}}
+
+
+def _structure(tree: DynamicTree) -> dict[str, Any]:
+    """What the picture shows: gates and events, and beside them what depends on a trigger and what is restricted."""
+    gates = [{"name": one.name, "kind": one.kind, "inputs": list(one.inputs), "k": one.k} for one in tree.gates]
+    numbers = ("rate_per_hour", "probability")
+    events = [
+        {"name": one.name} | {key: str(getattr(one, key)) for key in numbers if getattr(one, key) is not None}
+        for one in tree.events
+    ]
+    return {
+        "name": tree.name,
+        "top": tree.top,
+        "gates": [{key: value for key, value in gate.items() if value is not None} for gate in gates],
+        "basic_events": events,
+        "dependencies": [
+            {
+                "name": one.name,
+                "kind": "fdep" if one.probability == 1 else "pdep",
+                "inputs": [one.trigger, *one.dependents],
+            }
+            for one in tree.dependencies
+        ],
+        "restrictions": [{"name": one.name, "kind": one.kind, "inputs": list(one.inputs)} for one in tree.restrictions],
+    }
 
 
 def _joined(solution: DynamicSolution, end: Fraction) -> Any:

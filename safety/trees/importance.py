@@ -21,16 +21,15 @@ factors and their computation.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from fractions import Fraction
 from typing import Generic, TypeVar
+
+from safety.trees.record import Record
 
 Number = TypeVar("Number", float, Fraction)
 
 
-
-@dataclass(frozen=True)
-class Importance(Generic[Number]):
+class Importance(Record, Generic[Number]):
     """The measures of one basic event (no unit; see the module). None where 0/0 leaves one without meaning."""
 
     event: str

@@ -12,11 +12,12 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Collection, Iterable, Mapping
-from dataclasses import dataclass, field, replace
 from decimal import Decimal
 from fractions import Fraction
 from functools import cached_property
 from typing import TYPE_CHECKING
+
+from safety.trees.record import Record
 
 if TYPE_CHECKING:
     from safety.trees.expressions import Expression
@@ -59,8 +60,7 @@ def exact(value: Rational, what: str, item: str = "") -> Fraction:
     raise TreeError(f"{what} is {text[:40]!r}, expected a number such as 0.01, 1e-6 or 1/3; correct it", item)
 
 
-@dataclass(frozen=True)
-class BasicEvent:
+class BasicEvent(Record):
     """A cause that is not analysed further.
 
     Its probability is `probability`, or 1 - exp(-rate_per_hour * mission_time_h), or the value of `expression` at the
@@ -208,8 +208,7 @@ class BasicEvent:
         )
 
 
-@dataclass(frozen=True)
-class HouseEvent:
+class HouseEvent(Record):
     """A condition that holds (`state` True) or not throughout: a constant, never part of a cut set."""
 
     name: str
@@ -218,8 +217,7 @@ class HouseEvent:
     attributes: tuple[tuple[str, str], ...] = ()
 
 
-@dataclass(frozen=True)
-class Gate:
+class Gate(Record):
     """A gate over `inputs`, the names of gates and events: and, or, vote (at least `k`), not (one input), xor (an odd
     number).
 
@@ -262,8 +260,7 @@ class Gate:
 Node = Gate | BasicEvent | HouseEvent
 
 
-@dataclass(frozen=True)
-class FaultTree:
+class FaultTree(Record):
     """A top gate and everything below it, checked when made.
 
     An event with a rate and no mission time of its own takes `mission_time_h` of the tree (hours). Gates and events
@@ -279,7 +276,7 @@ class FaultTree:
     events: tuple[BasicEvent, ...]
     house_events: tuple[HouseEvent, ...] = ()
     description: str = ""
-    mission_time_h: Fraction | None = field(default=None, repr=False)
+    mission_time_h: Fraction | None = None
 
     def __post_init__(self) -> None:
         if self.mission_time_h is not None:
@@ -310,7 +307,7 @@ class FaultTree:
                 f'fault tree "{self.name}"',
                 event.name,
             )
-        return replace(event, mission_time_h=self.mission_time_h)
+        return event.changed(mission_time_h=self.mission_time_h)
 
     def _check_names(self) -> None:
         every: tuple[Node, ...] = (*self.gates, *self.events, *self.house_events)

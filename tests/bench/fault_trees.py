@@ -113,6 +113,8 @@ def ours(files: Sequence[Path], out: Path, limit: float) -> Run:
     if not run.solved:
         return run
     (entry,) = json.loads(out.read_text(encoding="utf-8"))["trees"]
+    if entry["probability"] is None:  # bounds at best
+        return replace(run, solved=False)
     alone, printed = process([sys.executable, "-c", KERNEL, *files], limit, here=True)
     return replace(
         run,
@@ -191,7 +193,7 @@ def figures(pairs: dict[str, tuple[Run, Run]], limit: float) -> list[str]:
     lines = [
         f"{len(pairs)} trees; solved by us {sum(p[0].solved for p in pairs.values())}, "
         f"by SCRAM {sum(p[1].solved for p in pairs.values())}, by both {len(both)}"
-        + (f"; ended with an error: {', '.join(failed)}" if failed else ""),
+        + (f"; no exact result: {', '.join(failed)}" if failed else ""),
         f"whole process, those both solve: median {statistics.median(walls):.2f}, "
         f"geometric mean {statistics.geometric_mean(walls):.2f}, worst {worst[0]:.2f} ({worst[1]}), "
         f"slower on {sum(r < 1 for r in walls)}",

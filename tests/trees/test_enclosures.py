@@ -111,9 +111,21 @@ def test_bounds_of_public_trees_hold_when_hardly_any_module_fits(name):
 
 
 @with_oracles
-@pytest.mark.slow
 def test_the_largest_public_tree_is_bounded_within_ten_per_cent():
     tree = read(ARALIA / "aralia" / "nus9601.xml")
     bounds = enclose(tree, enough=1.1, budgets=(20_000,))
     assert bounds.upper <= 1.1 * bounds.lower
     assert bounds.lower <= 1e-5 <= bounds.upper  # 120 million samples: 9.79e-6, standard error 0.29e-6
+
+
+def test_compiled_and_interpreted_bounds_are_equal():
+    for seed in range(12):
+        tree = random_tree(seed, events=12)
+        assert enclose(tree, budgets=(2,)) == enclose(tree, budgets=(2,), interpreted=True)
+
+
+def test_an_or_of_more_events_than_the_budget_is_not_mistaken_for_something_small():
+    events = tuple(BasicEvent(f"e{i}", 1e-3) for i in range(300))
+    tree = FaultTree("wide", "top", (Gate("top", "or", tuple(e.name for e in events)),), events)
+    bounds = enclose(tree, budgets=(100,))
+    assert bounds.lower <= 1 - 0.999**300 <= bounds.upper <= bounds.lower * 1.01

@@ -194,7 +194,7 @@ def test_a_tree_that_does_not_give_the_sets_back_is_never_handed_out(planted, bu
     if budgets:
         monkeypatch.setattr(module, "BUDGETS", budgets)
     assert cut_sets_of(drawn([("a",), ("b", "c")])) == {frozenset("a"), frozenset("bc")}
-    monkeypatch.setattr(module, "factored", lambda sets: listed([frozenset(planted)]))
+    monkeypatch.setattr("safety.trees.factoring.factored", lambda sets: listed([frozenset(planted)]))
     with pytest.raises(NotGivenBack, match="has other minimal cut sets than the 2 that it was drawn from"):
         drawn([("a",), ("b", "c")])
 
