@@ -21,7 +21,7 @@ except ModuleNotFoundError:  # run by hand
 
 ROOT = Path(__file__).resolve().parent
 KERNEL = ROOT / "safety" / "trees" / "kernel"
-FLAGS = ["-O3", "-fno-math-errno", "-ffp-contract=off", "-w"] if sys.platform != "win32" else []
+FLAGS = ["-O3", "-g0", "-fno-math-errno", "-ffp-contract=off", "-w"] if sys.platform != "win32" else []
 
 
 class Scaffold(BuildHookInterface):

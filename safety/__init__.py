@@ -6,7 +6,6 @@ The names that model and proof files need; they are imported when first used, so
 from __future__ import annotations
 
 import importlib
-from typing import TYPE_CHECKING, Any
 
 _HOME = {
     "safety.terms": (
@@ -134,7 +133,10 @@ __all__ = [
     "written_for",
 ]
 
+TYPE_CHECKING = False  # typing itself is not needed to start
 if TYPE_CHECKING:
+    from typing import Any
+
     from safety.faults import (
         ANY_TIME,
         FROM_START,

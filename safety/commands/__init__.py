@@ -15,7 +15,10 @@ import shlex
 import signal
 import sys
 from collections.abc import Sequence
-from typing import Any, NoReturn
+
+TYPE_CHECKING = False  # typing itself is not needed to start
+if TYPE_CHECKING:
+    from typing import Any, NoReturn
 
 VERBS = {
     "verify": "run everything below and write the report",

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from typing import Any
 
 from safety.report.numbers import tags_of
 
+TYPE_CHECKING = False  # typing itself is not needed to start
+if TYPE_CHECKING:
+    from typing import Any
+
+    Entry = Mapping[str, Any]
+
 MARK = "[A]"
-Entry = Mapping[str, Any]
 
 
 def rests_on_assumed(section: str, entry: Entry) -> bool:

@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from typing import Any
+
+TYPE_CHECKING = False  # typing itself is not needed to start
+if TYPE_CHECKING:
+    from typing import Any
 
 UNKNOWN = "unknown"
 TAGS = {"P": "printed", "D": "derived", "A": "assumed", "R": "reconstructed"}

@@ -29,7 +29,6 @@ def certificate(solution: Solution) -> dict[str, Any]:
     tree, reduced = _tree(solution.tree), _reduced(solution, order)
     return {
         "format": FORMAT,
-        "name": solution.tree.name,
         "sha256": {"tree": _sha256(tree), "reduced": _sha256(reduced)},
         "order": [solution.events[number - 1] for number in order],
         "tree": tree,
@@ -61,6 +60,7 @@ def _order(solution: Solution) -> Mapping[int, int]:
 
 def _tree(tree: FaultTree) -> dict[str, Any]:
     return {
+        "name": tree.name,
         "gates": [[gate.name, gate.kind, list(gate.inputs), gate.k] for gate in tree.inputs_first],
         "top": tree.top,
         "events": [[event.name, _chance(event)] for event in tree.events],

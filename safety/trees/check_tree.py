@@ -1,8 +1,8 @@
 """Check certificates of solved fault trees: `python check_tree.py FILE...`, one file that needs nothing but Python.
 
 Exit code: 0 checked, 1 rejected, 2 not a certificate, 3 undecided (a diagram outgrew MOST_NODES).
-A certificate is JSON.  `order` has the events; `tree` is what was solved: gates [name, kind, inputs, k], inputs first,
-the top, events [name, chance], chances such as "1/3", "1-exp(-1/8)" or null, house events [name, state].  `reduced` is
+A certificate is JSON.  `order` has the events; `tree` is what was solved: its name, gates [name, kind, inputs, k], inputs
+first, the top, events [name, chance], chances such as "1/3", "1-exp(-1/8)" or null, house events [name, state].  `reduced` is
 the same simplified, gates [kind, k, references]; `diagram` again, nodes [variable, high, low], where a variable may be
 a module, some node before it.  A reference is 2 n, or 2 n + 1 for the opposite, to number n: true at 0, then the events
 in order, then the gates or nodes, each after those that it is made of.
@@ -179,7 +179,7 @@ def check(c: Any) -> dict[str, Any]:
         low, high = diagram.probability(tree, [chance(events[name]) for name in order])
         said = [Fraction(float(bound)) * ONE for bound in c["probability"]]
         need(said[0] <= low and high <= said[1], f"the probability is {low / ONE!r}")
-    return {key: c[key] for key in ("name", "sha256", "probability", "cut_sets_by_order")}
+    return {"name": c["tree"]["name"], **{key: c[key] for key in ("sha256", "probability", "cut_sets_by_order")}}
 
 
 def examine(path: Path) -> dict[str, Any]:

@@ -38,7 +38,8 @@ def _label(node: Node) -> str:
     if isinstance(node, Gate):
         shown.append(f"{node.k} of {len(node.inputs)}" if node.kind == "vote" else node.kind)
     elif isinstance(node, BasicEvent):
-        shown.append("" if node.chance is None else f"{node.chance[0]:.3g}")
+        known = "" if node.chance is None else f"{node.chance[0]:.3g}"
+        shown.append(f"{known} [A]".lstrip() if node.source == "A" else known)
     else:
         shown.append(str(node.state).lower())
     return "\n".join(text for text in shown if text)

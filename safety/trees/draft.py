@@ -5,11 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any
 
 from safety.trees.tree import BasicEvent, FaultTree, Gate, HouseEvent, Node, TreeError
 
+TYPE_CHECKING = False  # typing itself is not needed to start
 if TYPE_CHECKING:
+    from typing import Any
+
     from safety.trees.study import Study
 
 

@@ -103,7 +103,7 @@ class SequenceAnswer:
         known = [figure for figure in figures if figure is not None]
         return reduce(Figure.__add__, known) if len(known) == len(figures) else None
 
-    def importance(self) -> dict[str, Importance[float]]:
+    def importance(self) -> dict[str, Importance]:
         """What each basic event does to the probability of the sequence (`importance` has the measures)."""
         if self.probability is None:
             return {}

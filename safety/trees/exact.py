@@ -42,7 +42,7 @@ class Exact:
             self.edges.append(edge)
         return self.chance[self.parts[-1].number]
 
-    def importance(self) -> dict[str, Importance[Fraction]]:
+    def importance(self) -> dict[str, Importance]:
         """The measures of each event that has a rational probability; empty if `probability` is None."""
         if self.probability is None:
             return {}

@@ -5,10 +5,10 @@ from __future__ import annotations
 import os
 from collections.abc import Sequence
 from fractions import Fraction
-from typing import TYPE_CHECKING
 
 from safety.trees.tree import FaultTree, Rational, TreeError, exact
 
+TYPE_CHECKING = False  # typing itself is not needed to start
 if TYPE_CHECKING:
     from safety.trees.draft import Draft
     from safety.trees.study import Study

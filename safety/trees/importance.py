@@ -21,28 +21,31 @@ factors and their computation.
 from __future__ import annotations
 
 import math
-from fractions import Fraction
-from typing import Generic, TypeVar
 
 from safety.trees.record import Record
 
-Number = TypeVar("Number", float, Fraction)
+TYPE_CHECKING = False  # typing itself is not needed to start
+if TYPE_CHECKING:
+    from typing import Any
 
 
-class Importance(Record, Generic[Number]):
-    """The measures of one basic event (no unit; see the module). None where 0/0 leaves one without meaning."""
+class Importance(Record):
+    """The measures of one basic event (no unit; see the module). None where 0/0 leaves one without meaning.
+
+    All are doubles, or all are rationals (an infinite one is a double).
+    """
 
     event: str
-    probability: Number
-    birnbaum: Number
-    criticality: Number | None
-    fussell_vesely: Number | None
-    diagnostic: Number | None
-    risk_achievement_worth: Number | None
-    risk_reduction_worth: Number | float | None
+    probability: Any
+    birnbaum: Any
+    criticality: Any
+    fussell_vesely: Any
+    diagnostic: Any
+    risk_achievement_worth: Any
+    risk_reduction_worth: Any
 
 
-def measures(event: str, q: Number, top: Number, with_event: Number, without_event: Number) -> Importance[Number]:
+def measures(event: str, q: Any, top: Any, with_event: Any, without_event: Any) -> Importance:
     """All measures of `event` from q, P, P1 and P0 (see the module)."""
     birnbaum = with_event - without_event
     if top == 0:

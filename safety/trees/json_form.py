@@ -18,20 +18,23 @@ import json
 import re
 from collections.abc import Iterator, Sequence
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any
 
 from safety.trees.draft import Draft, at
 from safety.trees.tree import BasicEvent, FaultTree, Gate, HouseEvent, Node, TreeError, exact
 
+TYPE_CHECKING = False  # typing itself is not needed to start
 if TYPE_CHECKING:
+    from typing import Any
+
     from safety.trees.study import Study
+
+    Keys = dict[str, Any]  # the types each key may have
 
 FORMAT = "rightside/fault-tree/1"
 NUMBER = (str, int)  # numbers with a point arrive as their text, so that nothing is rounded
 QUANTITIES = {"probability": NUMBER, "rate_per_hour": NUMBER, "mission_time_h": NUMBER}
 TEXTS = {"name": str, "description": str}
 NODE = TEXTS | {"attributes": dict}
-Keys = dict[str, Any]  # the types each key may have
 DOCUMENT: Keys = TEXTS | {
     "format": str,
     "top": str,

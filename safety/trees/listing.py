@@ -9,12 +9,16 @@ import heapq
 import itertools
 from array import array
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Any, Optional
+
+TYPE_CHECKING = False  # typing itself is not needed to start
+if TYPE_CHECKING:
+    from typing import Any
+
+    _Todo = tuple[int, int, int, "_Todo" | None]  # module, node, number of events, what comes after
 
 EMPTY = 1  # the node of the family of just the empty set
 WORD = 64  # orders below it have a bit each in the kernel's masks
 CutSet = tuple[int, ...]
-_Todo = tuple[int, int, int, Optional["_Todo"]]  # module, node, number of events, what comes after
 
 
 class Families:

@@ -14,14 +14,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any
 
 from safety.trees.draft import Draft, at, roots
 from safety.trees.mef_elements import ANNOTATIONS, NUMBERS, Attributes, content, description, only, parts, truth, whole
 from safety.trees.tree import TAGS, BasicEvent, Gate, HouseEvent, TreeError, exact
 from safety.trees.xml_elements import Element
 
+TYPE_CHECKING = False  # typing itself is not needed to start
 if TYPE_CHECKING:
+    from typing import Any
+
     from safety.trees.expressions import Expression
     from safety.trees.mef_expressions import Expressions
 
@@ -304,6 +306,8 @@ class MefReader:
         else:
             source = ""
         values = self.quantity(only(element, "an expression"), scope) if expressions else {}
+        if "expression" in values and self.expressions.is_assumed(values["expression"]):
+            source = "A"
         event = BasicEvent(name, description=label, source=source, attributes=attributes, **values)
         self.draft.add(event, element.place)
 

@@ -13,7 +13,7 @@ from safety.trees.distributions import Beta, Gamma, Histogram, Lognormal, Normal
 from safety.trees.draft import at
 from safety.trees.expressions import Constant, Expression, MissionTime, Operation, Parameter
 from safety.trees.lifetimes import Exponential, Glm, PeriodicTest, Weibull
-from safety.trees.mef_elements import ANNOTATIONS, NUMBERS, only, truth
+from safety.trees.mef_elements import ANNOTATIONS, NUMBERS, attributes, only, truth
 from safety.trees.xml_elements import Element
 
 if TYPE_CHECKING:
@@ -73,6 +73,11 @@ class Expressions:
                 return {"rate_per_hour": rate, "mission_time_h": time}
         number = plain(expression)
         return {"expression": expression} if number is None else {"probability": number}
+
+    def is_assumed(self, expression: Expression) -> bool:
+        """Whether it uses a parameter that carries the source tag A."""
+        defined = self._reader.parameters
+        return any(("source", "A") in attributes(defined[name][0]) for name in expression.parameters)
 
     def read(self, element: Element, scope: str) -> Expression:
         """An expression written inside `scope` ("Tree.Component."). Raises TreeError with file and line."""

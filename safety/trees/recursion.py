@@ -4,9 +4,13 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable
-from typing import TypeVar
 
-T = TypeVar("T")
+TYPE_CHECKING = False  # typing itself is not needed to start
+if TYPE_CHECKING:
+    from typing import TypeVar
+
+    T = TypeVar("T")
+
 SHALLOW = 4_000  # levels that any thread's stack holds
 FRAME = 1_024  # bytes of stack for one level, more than any function of the kernel takes
 LARGEST = 1 << 30

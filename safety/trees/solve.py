@@ -8,24 +8,29 @@ from array import array
 from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 from safety.trees import kernel
 from safety.trees.flatten import flatten
 from safety.trees.importance import Importance, measures
 from safety.trees.kernel.flat import FlatGraph
 from safety.trees.listing import Families
+from safety.trees.record import Record
 from safety.trees.recursion import deeply
 from safety.trees.tree import HALF_ULP, FaultTree, TreeError
 
+TYPE_CHECKING = False  # typing itself is not needed to start
 if TYPE_CHECKING:
+    from typing import Any, TypeVar
+
     from safety.trees.exact import Exact
+
+    T = TypeVar("T", bound=Any)  # a number of any arithmetic
 
 BUDGETS = (20_000, 200_000, 2_000_000, 25_000_000)  # nodes; orders are tried with each before the next
 KEPT = (None, None, 6, 2)  # orders tried with each budget: those that got furthest with the one before, and the first
+WIDE = 1e-13  # relative error of a chance that is carried as an interval
 FAMILY_BUDGET = 40_000_000  # nodes of the diagram of cut sets
 CHUNK = 2048  # samples evaluated at once, a multiple of the kernel's block
-T = TypeVar("T", bound=Any)  # a number of any arithmetic
 
 
 class TooLarge(RuntimeError):
@@ -34,7 +39,7 @@ class TooLarge(RuntimeError):
     exit_code = 3
 
 
-class Part(NamedTuple):
+class Part(Record):
     """One module: its number, the numbers of its variables by level (events, inner modules), and its diagram."""
 
     number: int
@@ -71,19 +76,43 @@ class Solution:
         """The same as a rational; None unless all events below the top have one. Slow on large diagrams (`nodes`)."""
         return self._exact.probability
 
-    @property
+    @cached_property
     def bounds(self) -> tuple[float, float] | None:
         """Doubles that enclose the probability, whatever the rounding in `probability` (not below 1e-300).
 
         Nothing is subtracted, so relative errors add up along a path: per level half an ulp for the product, half for
-        the sum, and the error of the event's own chance.
+        the sum, and the error of the event's own chance. An event of which only an interval is known has the chances
+        of its ends: all is sums of products, which grow with every chance.
         """
-        if self.probability is None:
+        if self._chances is None:
             return None
-        worst = max((self.tree.events[i - 1].chance_error for i in self._below), default=0.0)
+        errors = {i: self.tree.events[i - 1].chance_error for i in self._below}
+        wide = {i for i, error in errors.items() if error > WIDE}
         levels = sum(len(part.order) for part in self.parts)
-        error = math.expm1(min(1.01 * levels * (2 * HALF_ULP + worst), 700.0))
-        return max(0.0, self.probability * (1 - error)), min(1.0, self.probability * (1 + error))
+        known = sum(error for i, error in errors.items() if i not in wide)
+        error = math.expm1(1.01 * (levels * 2 * HALF_ULP + known))
+        low = high = self._chances.occurs[self.parts[-1].number]
+        if wide:
+            low, high = (self._top(self._ends(wide, side)) for side in (0, 1))
+        return max(0.0, low * (1 - error)), min(1.0, high * (1 + error))
+
+    def _ends(self, wide: set[int], side: int) -> tuple[array[float], array[float]]:
+        """The chances of all events, of those in `wide` the lower (or upper) ends for both that it occurs and not."""
+        assert self._chances is not None
+        occurs, fails = array("d", self._chances.occurs), array("d", self._chances.fails)
+        for i in wide:
+            low, high = self.tree.events[i - 1].enclosure
+            occurs[i], fails[i] = (low, max(0.0, 1 - high)) if side == 0 else (high, 1 - low)
+        return occurs, fails
+
+    def _top(self, chances: tuple[array[float], array[float]]) -> float:
+        """The chance of the top from those of the events by number, in which those of the modules are filled in."""
+        occurs, fails = chances
+        for part in self.parts:
+            edge = array("d", bytes(16 * part.diagram.nodes))
+            part.diagram.chances(*(array("d", [row[n] for n in part.order]) for row in chances), edge)
+            occurs[part.number], fails[part.number] = edge[part.diagram.root], edge[part.diagram.root ^ 1]
+        return occurs[self.parts[-1].number]
 
     @property
     def _below(self) -> list[int]:
@@ -116,7 +145,7 @@ class Solution:
             for product, one in self._families.likeliest_first(chance):
                 yield product, tuple(sorted([self.events[number - 1] for number in one]))
 
-    def importance(self) -> dict[str, Importance[float]]:
+    def importance(self) -> dict[str, Importance]:
         """Importance of each basic event with a probability, in doubles; empty if `probability` is None."""
         if self._chances is None:
             return {}
@@ -128,12 +157,12 @@ class Solution:
             if not math.isnan(occurs[i])
         }
 
-    def exact_importance(self) -> dict[str, Importance[Fraction]]:
+    def exact_importance(self) -> dict[str, Importance]:
         """The same in rational arithmetic; empty if `exact` is None."""
         return self._exact.importance()
 
     def evaluate(self, chances: Mapping[str, tuple[T, T]], zero: T, one: T) -> tuple[T, T]:
-        """The chance of the top and of its opposite in any arithmetic, from those of each event; nothing is subtracted."""
+        """The chance of the top and of its opposite in any arithmetic, from those of each event; all is sums."""
         value = {i: chances[name] for i, name in enumerate(self.events, 1) if name in chances}
         for part in self.parts:
             diagram, edge = part.diagram, [one, zero]
@@ -226,7 +255,7 @@ class Solution:
         return _Chances(occurs, fails, edges)
 
     def _conditionals(self) -> dict[int, tuple[float, float]]:
-        """The chance of the top when an event (or module) is true, and when it is false: from the top module inwards."""
+        """The chance of the top when an event or module is true, and when it is false: from the top module inwards."""
         assert self._chances is not None
         given: dict[int, tuple[float, float]] = {self.parts[-1].number: (1.0, 0.0)}
         for part, (occurs, fails, edge) in zip(reversed(self.parts), reversed(self._chances.edges), strict=True):
@@ -261,13 +290,13 @@ class Solution:
         return Exact(self.tree, self.parts)
 
 
-class _Chances(NamedTuple):
+class _Chances(Record):
     occurs: array[float]
     fails: array[float]
     edges: list[tuple[array[float], ...]]  # of each diagram: by level that the variable is true, false; of its edges
 
 
-class _Chunk(NamedTuple):
+class _Chunk(Record):
     first: int
     samples: int
     width: int
@@ -330,8 +359,10 @@ class _Parts:
         return Part(self.numbers, order, self.diagrams.Diagram(*builder.finish(root)))
 
     def _module(self, number: int, is_module: bytearray, flip: int) -> Part:
-        gates, _ = self.members.members(self.graph, number, is_module)
-        orders, usual = self.orders.orders(self.graph, number, is_module), None
+        gates, variables = self.members.members(self.graph, number, is_module)
+        # of one gate every order is as good
+        orders = iter([variables]) if len(gates) == 1 else self.orders.orders(self.graph, number, is_module)
+        usual = None
         for budget, kept in itertools.zip_longest(self.budgets, KEPT[: len(self.budgets)], fillvalue=KEPT[-1]):
             tried: list[tuple[int, array[int]]] = []
             for order in itertools.islice(orders, kept):

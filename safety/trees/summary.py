@@ -6,12 +6,15 @@ import itertools
 import math
 import time
 from fractions import Fraction
-from typing import Any
 
 from safety.trees.importance import Importance
 from safety.trees.json_form import to_document
 from safety.trees.solve import Solution, solve
 from safety.trees.tree import FaultTree
+
+TYPE_CHECKING = False  # typing itself is not needed to start
+if TYPE_CHECKING:
+    from typing import Any
 
 EXACT_NODES = 20_000  # largest diagram whose exact rational is computed unasked
 EXACT_BITS = 13_000  # longest denominator written out, about 3,900 digits
@@ -99,6 +102,6 @@ def cut_set_rows(solution: Solution, listed: int, likeliest: bool = False) -> di
     }
 
 
-def plain(measures: Importance[float]) -> dict[str, Any]:
+def plain(measures: Importance) -> dict[str, Any]:
     """The measures by name; an infinite one is the text "inf"."""
     return {key: "inf" if value == math.inf else value for key, value in vars(measures).items()}

@@ -15,10 +15,10 @@ from collections.abc import Collection, Iterable, Mapping
 from decimal import Decimal
 from fractions import Fraction
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 from safety.trees.record import Record
 
+TYPE_CHECKING = False  # typing itself is not needed to start
 if TYPE_CHECKING:
     from safety.trees.expressions import Expression
 
@@ -184,13 +184,27 @@ class BasicEvent(Record):
 
         With a math library good to 1 ulp, at most 3 half ulps for 1 - exp(-x) and 3 + x for exp(-x).
         """
-        if self.exact_chance is not None or self.chance is None:
+        if self.probability is not None or self.exact_chance is not None or self.chance is None:
             return HALF_ULP
         if self.expression is None:
             assert self._expected_failures is not None
             return HALF_ULP * (3 + float(self._expected_failures))
-        low, high = self.expression.enclosure(self.mission_time_h)
+        low, high = self.enclosure
+        if low == high:
+            return HALF_ULP
         return (high - low) / min(low, 1 - high) if low > 0 and high < 1 else math.inf
+
+    @property
+    def enclosure(self) -> tuple[float, float]:
+        """Doubles between which the probability lies, within 0..1; 0 and 1 where nothing is known."""
+        if self._is_expressed:
+            assert self.expression is not None
+            low, high = self.expression.enclosure(self.mission_time_h)
+            return max(0.0, low), min(1.0, high)
+        if self.chance is None:
+            return 0.0, 1.0
+        value, error = self.chance[0], math.expm1(2 * self.chance_error)
+        return max(0.0, value * (1 - error)), min(1.0, value * (1 + error))
 
     @property
     def _is_expressed(self) -> bool:
@@ -304,7 +318,7 @@ class FaultTree(Record):
         if self.mission_time_h is None and event.probability is None:
             raise TreeError(
                 f'basic event "{event.name}" has {has} and no mission time; give it mission_time_h, or give one to the '
-                f'fault tree "{self.name}"',
+                f'fault tree "{self.name}" (--hours on the command line)',
                 event.name,
             )
         return event.changed(mission_time_h=self.mission_time_h)

@@ -33,10 +33,8 @@ def members(flat, gate: cython.int, is_module: cython.char[::1]):
         if i < first or (is_module[i] and i != gate):
             variables.append(i)
             continue
+        gates.append(i)
         for j in range(start[i - first + 1] - 1, start[i - first] - 1, -1):
             agenda[depth] = inputs[j] >> 1
             depth += 1
-    for i in range(first, gate + 1):
-        if met[i] and (i == gate or not is_module[i]):
-            gates.append(i)
-    return gates, variables
+    return array("i", sorted(gates)), variables
