@@ -174,14 +174,16 @@ def _failed(verb: str, error: Exception, whole: bool) -> int:
     """Say what went wrong in a line or two; the exit code that the error's class carries."""
     code = getattr(error, "exit_code", INPUT_ERROR if isinstance(error, OSError) else INTERNAL)
     text = f"{error.filename}: {error.strerror}" if isinstance(error, OSError) and error.filename else str(error)
-    if code == INTERNAL:
+    told = isinstance(error, ImportError) and hasattr(error, "exit_code")  # what is wrongly installed says what to do
+    unexpected = code == INTERNAL and not told
+    if unexpected:
         text = f"internal error, {type(error).__name__}: {text}"
     print(f"rightside {verb}: {text}", file=sys.stderr)
     if whole:
         import traceback
 
         traceback.print_exception(error)
-    elif code == INTERNAL:
+    elif unexpected:
         print(
             "  This is a fault of rightside. Please report it, with what this command shows with --traceback.",
             file=sys.stderr,

@@ -17,6 +17,7 @@ from typing import Any
 from safety.commands import CommandError, options, settings
 from safety.commands.output import probe, write_plain
 from safety.commands.table import table
+from safety.commands.tree_text import counted
 from safety.prove import check
 from safety.system import nearest
 
@@ -108,7 +109,7 @@ def _told(report: dict[str, Any]) -> str:
     if "cut_sets_by_order" in report:
         low, high = report["probability"] or (None, None)
         lines += [
-            f"{report['name']}: fault tree, {sum(report['cut_sets_by_order'])} minimal cut sets",
+            f"{report['name']}: fault tree, {counted(sum(report['cut_sets_by_order']), 'minimal cut set')}",
             "  no probability" if low is None else f"  probability between {low!r} and {high!r}",
             *(f"  {part} sha256 {digest}" for part, digest in report["sha256"].items()),
         ]

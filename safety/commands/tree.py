@@ -25,11 +25,13 @@ rightside tree permit.json --json -                       all figures as JSON
 rightside tree permit.xml --uncertainty 10000 --lhs       what the distributions of its data make of the top event
 rightside tree permit.xml --hours 8760 --sil --curve 12   PFDavg, PFH, safety integrity level, and Q over the year
 rightside tree permit.xml --certificate permit.cert.json  for `rightside check`
-rightside tree permit.dft --export permit.xml             from one format into another
+rightside tree permit.dft --hours 8760 --export permit.xml  from one format into another
 """
 OF_FILES: dict[str, object] = {  # options that belong to tree files, with their values when not given
-    "top": None, "hours": None, "export": [], "certificate": None, "likeliest": False, "exact": False, "gates": False, "joint": False, "prime_implicants": None,
-    "uncertainty": None, "lhs": False, "seed": None, "correlation": None, "sensitivity": False, "target": [], "curve": None, "sil": False,
+    "top": None, "hours": None, "export": [], "certificate": None, "likeliest": False, "exact": False, "gates": False,
+    "joint": False, "prime_implicants": None, "uncertainty": None, "lhs": False, "seed": None, "correlation": None,
+    "sensitivity": False, "target": [], "curve": None, "sil": False,
+    "order": None, "above": None,
     "ties": "refuse",
 }  # fmt: skip
 
@@ -42,9 +44,13 @@ def add_arguments(parser: ArgumentParser) -> None:
     group.add_argument("--top", metavar="GATE", help="the top gate, where the file leaves it open")
     group.add_argument("--hours", metavar="H", help="mission time of rates without a time of their own")
     group.add_argument("--likeliest", action="store_true", help="list the likeliest cut sets, not the smallest")
+    group.add_argument("--order", metavar="N", type=_order, help="only cut sets of at most N events")
+    group.add_argument("--above", metavar="P", type=_chance, help="only cut sets of probability P or more")
     group.add_argument("--exact", action="store_true", help="the probability as a rational, however large the tree")
     group.add_argument("--gates", action="store_true", help="importance of gates as well")
-    group.add_argument("--prime-implicants", metavar="N", type=_samples, help="count them, and list N (with not or xor)")
+    group.add_argument(
+        "--prime-implicants", metavar="N", type=_samples, help="count them, and list N (with not or xor)"
+    )
     group.add_argument("--joint", action="store_true", help="joint importance of pairs, differential importance")
     group.add_argument("--uncertainty", metavar="N", type=_samples, help="N samples of the data's distributions")
     group.add_argument("--lhs", action="store_true", help="Latin hypercubes instead of independent samples")
@@ -64,14 +70,17 @@ def add_arguments(parser: ArgumentParser) -> None:
     group.add_argument("--export", metavar="FILE", action="append", default=[],
                        help="write the tree as .xml, .json, .dag, .dft or .dot; may be repeated")  # fmt: skip
     group.add_argument("--certificate", metavar="FILE", help="write what `rightside check` needs to check the result")
-    group.add_argument("--ties", choices=("refuse", "as written"), default="refuse",
-                       help="with dynamic gates: what failures at the same moment mean, if their order counts")  # fmt: skip
+    group.add_argument(
+        "--ties", choices=("refuse", "as written"), default="refuse",
+        help="with dynamic gates: what failures at the same moment mean, if their order counts",
+    )  # fmt: skip
     options.add_selection(parser)
     options.add_work(parser)
 
 
 def run(args: Namespace) -> int:
     """Carry out the verb."""
+    _keep_apart([*args.files, args.correlation], [args.svg, args.certificate, args.json, *args.export])
     for path in (args.svg, args.certificate, *args.export):
         if path:
             probe(path)
@@ -82,7 +91,7 @@ def run(args: Namespace) -> int:
     else:
         for name, default in OF_FILES.items():
             if getattr(args, name) != default:
-                raise CommandError(f"--{name} is for tree files; give a FILE")
+                raise CommandError(f"--{name.replace('_', '-')} is for tree files; give a FILE")
         from safety.commands.session import work
 
         session = work(args, "trees")
@@ -96,6 +105,19 @@ def run(args: Namespace) -> int:
     if args.svg:
         _draw(args.svg, entries)
     return code
+
+
+def _keep_apart(read: list[str | None], written: list[str | None]) -> None:
+    """Refuse to write over what is read, or two results to one place."""
+    import os
+
+    places = {os.path.realpath(path) for path in read if path}
+    for path in written:
+        place = os.path.realpath(path) if path and path != "-" else None
+        if place in places:
+            raise CommandError(f"{path} is read or written otherwise; give this result a file of its own")
+        if place:
+            places.add(place)
 
 
 def _draw(path: str, entries: list[Entry]) -> None:
@@ -116,3 +138,23 @@ def _samples(text: str) -> int:
 
         raise ArgumentTypeError(f"{text!r}: give a whole number, 2 or more")
     return int(text)
+
+
+def _order(text: str) -> int:
+    if not text.isdecimal() or len(text) > 9:
+        from argparse import ArgumentTypeError
+
+        raise ArgumentTypeError(f"{text!r}: give a whole number of events, 0 or more")
+    return int(text)
+
+
+def _chance(text: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = 0.0
+    if not 0 < value <= 1:
+        from argparse import ArgumentTypeError
+
+        raise ArgumentTypeError(f"{text!r}: give a probability, above 0 and up to 1")
+    return value

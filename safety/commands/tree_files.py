@@ -1,4 +1,4 @@
-"""Tree files for `rightside tree`: read, solved and asked what the options want; nothing is imported that is not used."""
+"""Tree files for `rightside tree`: read, solved, exported; nothing is imported that is not used."""
 
 from __future__ import annotations
 
@@ -9,35 +9,51 @@ from math import inf
 
 from safety.commands import CommandError
 from safety.commands.output import data, probe
+from safety.commands.versions import VERSION
 from safety.report.files import dumps, write_text
 from safety.trees.formats import LARGEST, read
-from safety.trees.solve import Solution, TooLarge, solve
-from safety.trees.summary import LISTED, entry_of
+from safety.trees.solve import TooLarge, solve
+from safety.trees.summary import LISTED, cut_set_rows, entry_of
 from safety.trees.tree import FaultTree, TreeError, exact
-from safety.commands.versions import VERSION
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from typing import Any
 
     from safety.report.schema import Entry
+    from safety.trees.enclosures import Enclosed
+    from safety.trees.study import Study
+    from safety.trees.truncated import Truncated
 
-NOT_AS_ASKED, WEAKER = 1, 4
-FEW_GATES = 60  # of a tree in whose picture the importance of gates is shown unasked
+NOT_AS_ASKED, INPUT_ERROR, WEAKER = 1, 2, 4
 QUICKLY_EXACT = 30  # nodes of a diagram that is evaluated in rationals unasked
+FREE = ("top", "hours", "ties", "export", "order", "above", "likeliest")  # options that need no diagram
+EVENT_TREES, PHASES = (b"event-tree", b'"event_trees"'), (b"define-alignment", b'"alignments"')  # in MEF, in JSON
+EXTRAS = (  # options that add to what a tree's entry always holds
+    "likeliest", "gates", "prime_implicants", "joint", "uncertainty", "sensitivity", "target", "curve", "sil",
+    "certificate", "svg",
+)  # fmt: skip
 
 
 def solve_files(args: Namespace) -> tuple[list[Entry], int]:
     """The entries for the files, written as JSON where asked; and the exit code."""
     if args.keyword or args.req or args.lf or args.settings:
         raise CommandError("-k, --req, --lf and --set choose among a project's hazards; leave them out with a FILE")
+    for option, given in (("--timeout", args.timeout), ("-j", args.jobs), ("-x", args.first)):
+        if given:
+            raise CommandError(f"{option} is of the project's hazards; leave it out with a FILE")
+    if args.hours is not None:
+        exact(args.hours, "--hours")
     if args.ties != "refuse" and not all(b"toplevel" in _content(file) for file in args.files):
         raise CommandError("--ties is of dynamic trees in Galileo text; leave it out")
     if args.uncertainty is None and (args.lhs or args.correlation or args.seed is not None):
         raise CommandError("--lhs, --seed and --correlation are of --uncertainty N; add it")
     if args.json:
         probe(args.json)
-    entries = _events(args) or _phases(args) or [_dynamic(args) or _static(args)]
+    try:
+        entries = _events(args) or _phases(args) or [_dynamic(args) or _static(args)]
+    except TreeError as error:
+        raise error if any(file in str(error) for file in args.files) else error.at(", ".join(args.files)) from None
     results: dict[str, Any] = {"schema": "rightside/1", "tool": {"rightside": VERSION}}
     for entry in entries:
         results.setdefault("event_trees" if "sequences" in entry else "trees", []).append(entry)
@@ -45,6 +61,8 @@ def solve_files(args: Namespace) -> tuple[list[Entry], int]:
         data(dumps(results).rstrip("\n"))
     elif args.json:
         write_text(args.json, dumps(results))
+    if any(entry.get("errors") for entry in entries):
+        return entries, INPUT_ERROR
     if any(entry.get("wrong") for entry in entries):
         return entries, NOT_AS_ASKED
     return entries, WEAKER if any(entry.get("note") for entry in entries) else 0
@@ -58,19 +76,19 @@ def _static(args: Namespace) -> Entry:
 
 def _phases(args: Namespace) -> list[Entry]:
     """An entry for each phase of the alignments in the files, if there are any."""
-    if not any(b"define-alignment" in _content(file) for file in args.files):
+    if not _holds(args, PHASES):
         return []
     from safety.trees.formats import read_study
 
     study = read_study(*args.files, mission_time_h=args.hours)
     if not study.alignments:
         return []
-    for name in ("export", "certificate"):
-        if getattr(args, name):
-            raise CommandError(f"--{name} is of one tree, and {', '.join(args.files)} holds one for each phase")
-    entries = []
+    if args.certificate or (args.svg and sum(len(one.phases) for one in study.alignments) > 1):
+        name = "certificate" if args.certificate else "svg"
+        raise CommandError(f"--{name} is of one tree, and {', '.join(args.files)} holds one for each phase")
+    entries, errors = [], _exported(args, study)
     for alignment, phase, tree in study.in_phases(args.top):
-        entry = _solved(args, tree, None)
+        entry = _solved(args, tree, None, errors)
         entry |= {
             "id": f"{entry['id']}, {alignment.name}: {phase.name}",
             "alignment": alignment.name,
@@ -87,18 +105,28 @@ def _phases(args: Namespace) -> list[Entry]:
     return entries
 
 
-def _solved(args: Namespace, tree: FaultTree, read_s: float | None) -> Entry:
+def _solved(args: Namespace, tree: FaultTree, read_s: float | None, errors: list[str] | None = None) -> Entry:
+    errors = _exported(args, tree) if errors is None else errors
     began = time.perf_counter()
     try:
         solution = solve(tree)
     except TooLarge as why:
-        return _enclosed(args, tree, read_s, why)
+        return _enclosed(args, tree, read_s, why) | ({"errors": errors} if errors else {})
+    known, within = solution.probability is not None, None
+    if args.order is not None or args.above is not None:
+        from safety.trees.truncated import limited
+
+        within = limited(solution, args.order, args.above)
     entry = entry_of(
         solution, source=", ".join(args.files), read_s=read_s, solve_s=time.perf_counter() - began,
-        likeliest=args.likeliest, exact_nodes=inf if args.exact else QUICKLY_EXACT,
+        likeliest=args.likeliest and known, exact_nodes=inf if args.exact else QUICKLY_EXACT,
+        limited=within,
     )  # fmt: skip
-    entry |= _more(args, tree, solution)
-    return entry
+    if any(getattr(args, name) for name in EXTRAS):
+        from safety.commands.tree_extras import extend
+
+        errors = errors + extend(entry, args, solution)
+    return entry | {"errors": errors} if errors else entry
 
 
 def _enclosed(args: Namespace, tree: FaultTree, read_s: float | None, why: TooLarge) -> Entry:
@@ -108,11 +136,16 @@ def _enclosed(args: Namespace, tree: FaultTree, read_s: float | None, why: TooLa
 
     began = time.perf_counter()
     for name, default in _options().items():
-        if name not in ("top", "hours", "ties") and getattr(args, name) != default:
-            raise TooLarge(f"{why}; --{name} needs the diagram, without it certified bounds are given")
-    found = enclose(tree)
-    if found is None:
+        if name not in FREE and getattr(args, name) != default:
+            raise TooLarge(
+                f"{why}; --{name.replace('_', '-')} needs the diagram, without it certified bounds are given"
+            )
+    bounds, within = enclose(tree), _within(args, tree)
+    if bounds is None and within is None:
         raise why
+    low, high = (None, None) if bounds is None else bounds[:2]
+    if low is not None and within is not None:
+        low = max(low, within.lower() or 0.0)
     solve_s = time.perf_counter() - began
     return {
         "id": tree.name,
@@ -121,113 +154,32 @@ def _enclosed(args: Namespace, tree: FaultTree, read_s: float | None, why: TooLa
         "gates": sum(not gate.inside for gate in tree.gates),
         "basic_events": len(tree.events),
         "probability": None,
-        "probability_low": found.lower,
-        "probability_high": found.upper,
-        "minimal_cut_sets": None,
+        "probability_low": low,
+        "probability_high": high,
+        "minimal_cut_sets": within and cut_set_rows(within, LISTED, args.likeliest),
         "importance": [],
         "structure": to_document(tree),
-        "note": f"certified bounds: {found.open_modules} modules have no diagram within the budget of nodes",
+        "note": _not_exact(bounds, within),
         "seconds": {"read": read_s, "solve": solve_s, "total": solve_s + (read_s or 0)},
     }
 
 
-def _more(args: Namespace, tree: FaultTree, solution: Solution) -> Entry:
-    """What the options ask for beyond cut sets, probability and importance."""
-    found: Entry = {}
-    if args.gates or (args.svg and len(tree.gates) <= FEW_GATES and solution.probability is not None):
-        from safety.trees.importance_of_gates import importance_of_gates, plain
+def _within(args: Namespace, tree: FaultTree) -> Truncated | None:
+    """The cut sets within the limits asked for, or up to the largest order that is quickly had, if there is one."""
+    from safety.trees.truncated import largest_order, truncated
 
-        found["gate_importance"] = [plain(one) for one in importance_of_gates(tree).values()]
-    if args.prime_implicants:
-        found["prime_implicants"] = _primes(solution, args.prime_implicants)
-    if args.joint:
-        found |= _joint(solution)
-    if args.uncertainty:
-        found["uncertainty"] = _uncertainty(args, solution)
-    if args.sensitivity:
-        from safety.trees import sensitivity
-
-        found["sensitivity"] = sensitivity.fields(solution)
-    if args.target:
-        found["targets"] = [_target(solution, text) for text in args.target]
-    if args.curve or args.sil:
-        found |= _mission(args, tree)
-    if args.certificate:
-        from pathlib import Path
-
-        from safety.trees import certificate
-
-        certificate.write(solution, Path(args.certificate))
-    for path in args.export:
-        from safety.trees.formats import write
-
-        write(tree, path)
-    return found
+    if args.order is not None or args.above is not None:
+        return truncated(tree, args.order, args.above)
+    return largest_order(tree) if all(gate.kind in ("and", "or", "vote") for gate in tree.gates) else None
 
 
-def _primes(solution: Solution, listed: int) -> Entry:
-    from itertools import islice
-
-    from safety.trees.prime_implicants import PrimeImplicants
-
-    primes = PrimeImplicants(solution)
-    return {
-        "count": sum(primes.counts()),
-        "by_order": {str(order): number for order, number in enumerate(primes.counts()) if number},
-        "list": [[{"event": name, "occurs": occurs} for name, occurs in one] for one in islice(primes, listed)],
-    }
-
-
-def _joint(solution: Solution) -> Entry:
-    from safety.trees.joint_importance import differential_importance, joint_importance
-
-    pairs = sorted(joint_importance(solution), key=lambda one: -abs(one.joint))
-    return {
-        "joint_importance": [vars(one) for one in pairs[:LISTED]],
-        "joint_importance_not_listed": max(0, len(pairs) - LISTED),
-        "differential_importance": [vars(one) for one in differential_importance(solution)],
-    }
-
-
-def _uncertainty(args: Namespace, solution: Solution) -> Entry:
-    from safety.trees import uncertainty
-    from safety.trees.correlation import read_correlation
-    from safety.trees.sampling import Plan
-
-    correlation = read_correlation(args.correlation) if args.correlation else None
-    plan = Plan(args.uncertainty, 1 if args.seed is None else args.seed, args.lhs, correlation=correlation)
-    found = uncertainty.fields(uncertainty.propagate(solution, plan))
-    found["importance"] = uncertainty.importance_fields(uncertainty.propagate_importance(solution, plan))
-    return found
-
-
-def _mission(args: Namespace, tree: FaultTree) -> Entry:
-    from safety.trees.mission import Mission
-
-    mission, found = Mission(tree, args.hours), {}
-    if args.curve:
-        found["curve"] = mission.curve(args.curve).plain()
-    if args.sil:
-        from safety.trees.averages import averages
-        from safety.trees.mean_time import mean_time_to_failure
-
-        found["averages"] = averages(mission).plain()
-        try:
-            found["mean_time_to_failure_h"] = mean_time_to_failure(tree).plain()
-        except TreeError as why:
-            found["mean_time_to_failure_h"] = {"why_not": why.message}
-    return found
-
-
-def _target(solution: Solution, text: str) -> Entry:
-    from dataclasses import asdict
-
-    from safety.trees.targets import meets
-
-    name, equals, goal = text.rpartition("=")
-    if not (equals and name):
-        raise CommandError(f"--target {text!r}: give NAME=P, the name of a parameter or event and a probability")
-    return asdict(meets(solution, name, goal))
+def _not_exact(bounds: Enclosed | None, within: Truncated | None) -> str:
+    """What the figures of a tree without a diagram are."""
+    said = "no diagram fits the budget of nodes, and not every event has a probability"
+    if bounds is not None:
+        modules = f"{bounds.open_modules} modules have" if bounds.open_modules > 1 else "1 module has"
+        said = f"certified bounds: {modules} no diagram within the budget of nodes"
+    return said + ("; cut sets beyond the limits are not known" if within and not within.complete else "")
 
 
 def _dynamic(args: Namespace) -> Entry | None:
@@ -243,7 +195,13 @@ def _dynamic(args: Namespace) -> Entry | None:
     tree = read_galileo(text, args.files[0])
     if not tree.dynamic_elements:
         return None
-    _refuse(args, "a dynamic tree", "ties")
+    _refuse(args, "a dynamic tree", "ties", "export")
+    for path in args.export:
+        if not path.lower().endswith(".dft"):
+            raise CommandError(f"--export {path}: {args.files[0]} holds a dynamic tree, which only .dft can hold")
+        from safety.trees.galileo import to_galileo
+
+        write_text(path, to_galileo(tree))
     from safety.trees.dynamic_summary import dynamic_summary
 
     hours: Fraction | None = None if args.hours is None else exact(args.hours, "--hours")
@@ -253,16 +211,38 @@ def _dynamic(args: Namespace) -> Entry | None:
 
 def _events(args: Namespace) -> list[Entry]:
     """The entries of the event trees in the files, if there are any."""
-    if not any(b"initiating-event" in _content(file) for file in args.files):
+    if not _holds(args, EVENT_TREES):
         return []
-    from safety.trees.event_tree_summary import event_tree_entries
     from safety.trees.formats import read_study
 
     study = read_study(*args.files, mission_time_h=args.hours)
-    if args.top or not study.event_trees:
+    if not study.event_trees or (args.top and study.alignments):
         return []
-    _refuse(args, "event trees")
-    return event_tree_entries(study, source=", ".join(args.files))
+    if args.top:
+        return [_solved(args, study.quantified(args.top), None)]
+    files = ", ".join(args.files)
+    _refuse(args, "event trees", "export")
+    if args.svg:
+        raise CommandError(f"--svg draws a fault tree, and {files} holds event trees; choose a gate with --top")
+    if not any(one.event_tree for one in study.initiating_events):
+        raise CommandError(f"{files}: no initiating event begins an event tree; define one, or give --top GATE")
+    from safety.trees.event_tree_summary import event_tree_entries
+
+    errors = _exported(args, study)
+    entries = event_tree_entries(study, source=files)
+    return [entry | {"errors": errors} for entry in entries] if errors else entries
+
+
+def _exported(args: Namespace, tree: FaultTree | Study) -> list[str]:
+    if not args.export:
+        return []
+    from safety.commands.tree_extras import export
+
+    return export(args.export, tree)
+
+
+def _holds(args: Namespace, words: tuple[bytes, ...]) -> bool:
+    return any(word in text for text in map(_content, args.files) for word in words)
 
 
 def _content(path: str) -> bytes:
@@ -283,4 +263,6 @@ def _options() -> dict[str, object]:
 def _refuse(args: Namespace, what: str, *taken: str) -> None:
     for name, default in _options().items():
         if name not in ("hours", *taken) and getattr(args, name) != default:
-            raise CommandError(f"--{name} is of a static fault tree, and {', '.join(args.files)} holds {what}")
+            raise CommandError(
+                f"--{name.replace('_', '-')} is of a static fault tree, and {', '.join(args.files)} holds {what}"
+            )

@@ -25,18 +25,27 @@ def told(entry: Entry) -> str:
         return _dynamic(entry)
     lines = [
         f"{entry['id']}  {entry.get('statement') or entry.get('description') or ''}".rstrip(),
-        f"{entry['gates']} gates, {entry['basic_events']} basic events{_counted(entry['minimal_cut_sets'])}",
+        f"{counted(entry['gates'], 'gate')}, {counted(entry['basic_events'], 'basic event')}"
+        + _counted(entry["minimal_cut_sets"]),
     ]
     if entry.get("completeness"):
         confirmed, candidate = (sum(entry[name].values()) for name in ("confirmed", "candidate"))
-        lines.append(f"cut sets {entry['completeness']}; {confirmed} confirmed by a run, {candidate} candidates")
+        lines.append(
+            f"cut sets {entry['completeness']}; {confirmed} confirmed by a run, {counted(candidate, 'candidate')}"
+        )
         if entry.get("minimal_by"):
             lines.append(f"no part of a cut set suffices: {', '.join(entry['minimal_by'])}")
     lines.append(_probability(entry))
     if entry.get("note") and not entry.get("completeness"):
         lines.append(entry["note"])
+    if _negates(entry) and entry["minimal_cut_sets"]:
+        lines += [
+            "cut sets: positive parts of the prime implicants (the tree has not or xor), silent on what must not be;",
+            "the probability beside one is that of its events together, and no bound; --prime-implicants N says more",
+        ]
     lines += [*_cut_sets(entry), *_important(entry), *_gates(entry)]
-    lines += [line for key, say in EXTRAS.items() if key in entry for line in ("", *say(entry[key]))]
+    on_assumed = mark(rests_on_assumed("trees", entry))
+    lines += [line for key, say in EXTRAS.items() if key in entry for line in ("", *say(entry[key], on_assumed))]
     return "\n".join(lines)
 
 
@@ -44,7 +53,28 @@ def _counted(sets: Entry | None) -> str:
     if sets is None:
         return ""
     orders = ", ".join(f"{count} of order {order}" for order, count in sets["by_order"].items())
-    return f"; {sets['count']} minimal cut sets" + (f": {orders}" if orders else "")
+    found = f"; {counted(sets['count'], 'minimal cut set')}" + _limits(sets.get("limits"))
+    return found + (f": {orders}" if orders else "")
+
+
+def _limits(limits: Entry | None) -> str:
+    """Which cut sets a count is of."""
+    if limits is None:
+        return ""
+    order, chance = limits["order"], limits["probability"]
+    said = [f"up to order {order}"] * (order is not None) + [f"of probability {chance!r} or more"] * (
+        chance is not None
+    )
+    return " " + " and ".join(said)
+
+
+def counted(number: int, noun: str) -> str:
+    """1 gate, 2 gates."""
+    return f"{number} {noun}{'' if number == 1 else 's'}"
+
+
+def _negates(entry: Entry) -> bool:
+    return any(gate["kind"] in ("not", "xor") for gate in (entry.get("structure") or {}).get("gates", ()))
 
 
 def _cut_sets(entry: Entry) -> list[str]:
@@ -74,23 +104,33 @@ def _important(entry: Entry) -> list[str]:
 
 
 def _gates(entry: Entry) -> list[str]:
+    on_assumed = mark(rests_on_assumed("trees", entry))
     rows = [
-        [row["gate"], *(number(row[name]) for name in ("probability", *MEASURES))]
+        [row["gate"], *(number(row[name]) + on_assumed for name in ("probability", *MEASURES))]
         for row in entry.get("gate_importance", ())[:LISTED]
     ]
     left = _more(len(entry.get("gate_importance", ())) - len(rows), "gates")
     return ["", table(["gate", "probability", "Fussell-Vesely", "Birnbaum"], rows), *left] if rows else []
 
 
-def _uncertainty(found: Entry) -> list[str]:
+def _uncertainty(found: Entry, on_assumed: str) -> list[str]:
     lines = [
         f"uncertainty: {found['samples']} samples ({found['method']}, seed {found['seed']}) of "
-        f"{len(found['variables'])} random variables",
-        f"mean {number(found['mean'])} (standard error {number(found['standard_error'])}), "
-        f"standard deviation {number(found['standard_deviation'])}, error factor {number(found['error_factor'])}",
+        f"{counted(len(found['variables']), 'random variable')}",
+        f"mean {number(found['mean'])}{on_assumed} (standard error {number(found['standard_error'])}), standard "
+        f"deviation {number(found['standard_deviation'])}{on_assumed}, error factor {number(found['error_factor'])}"
+        f"{on_assumed}",
+        *(
+            f"{event}: {counted(times, 'sample')} out of range, set to the nearer end of 0 to 1"
+            for event, times in found.get("set_to_range", {}).items()
+        ),
     ]
     rows = [
-        [number(row["level"]), number(row["value"]), f"{number(row['low'])} to {number(row['high'])}"]
+        [
+            number(row["level"]),
+            number(row["value"]) + on_assumed,
+            f"{number(row['low'])} to {number(row['high'])}{on_assumed}",
+        ]
         for row in found["quantiles"]
     ]
     if found["hypercubes"]:
@@ -99,9 +139,9 @@ def _uncertainty(found: Entry) -> list[str]:
     return [*lines, table(["quantile", "value", f"with confidence {number(confidence)} or more"], rows)]
 
 
-def _sensitivity(found: Entry) -> list[str]:
+def _sensitivity(found: Entry, on_assumed: str) -> list[str]:
     rows = [
-        [row["name"], number(row["value"]), number(row["derivative"]), number(row["elasticity"])]
+        [row["name"], number(row["value"]), *(number(row[name]) + on_assumed for name in ("derivative", "elasticity"))]
         for row in found["derivatives"][:LISTED]
     ]
     return [
@@ -110,26 +150,26 @@ def _sensitivity(found: Entry) -> list[str]:
     ]
 
 
-def _targets(found: list[Entry]) -> list[str]:
+def _targets(found: list[Entry], on_assumed: str) -> list[str]:
     proof = {True: "compared in rationals", False: "compared in doubles"}
     return [
         f"the top has probability {number(one['target'])} where {one['name']} is between {one['low']!r} and "
-        f"{one['high']!r} ({proof[one['exact']]})"
+        f"{one['high']!r}{on_assumed} ({proof[one['exact']]})"
         for one in found
     ]
 
 
-def _curve(found: Entry) -> list[str]:
+def _curve(found: Entry, on_assumed: str) -> list[str]:
     frequency = found["frequency_per_h"] or [None] * len(found["times_h"])
     rows = [
-        [number(time), number(q), number(w)]
+        [number(time), number(q) + on_assumed, number(w) + (on_assumed if w is not None else "")]
         for time, q, w in zip(found["times_h"], found["unavailability"], frequency, strict=True)
     ]
     why = [f"no frequency: {found['frequency_unknown']}"] if found["frequency_unknown"] else []
     return [table(["hours", "unavailability", "failures per hour"], rows), *why]
 
 
-def _averages(found: Entry) -> list[str]:
+def _averages(found: Entry, on_assumed: str) -> list[str]:
     lines, time = [], found["mission_time_h"]
     over = "" if time is None else f", over {number(time)} h"
     for words, figure, level in (
@@ -141,35 +181,39 @@ def _averages(found: Entry) -> list[str]:
             continue
         sil = f"SIL {level['sil']}" if level["sil"] else "no SIL"
         if level["sil"] is None:
-            sil = f"at the limit {number(level['limit'])} of two levels: SIL {level['sil_at_least']} at least"
+            least = f"SIL {level['sil_at_least']} at least" if level["sil_at_least"] else "perhaps no SIL"
+            sil = f"at the limit {number(level['limit'])} of two levels: {least}"
         lines.append(
-            f"{words} {number(figure['value'])} between {figure['low']!r} and {figure['high']!r}: {sil} "
+            f"{words} {number(figure['value'])}{on_assumed} between {figure['low']!r} and {figure['high']!r}: "
+            f"{sil}{on_assumed} "
             f"({level['mode']}; {found['method']}{over})"
         )
     return lines
 
 
-def _mean_time(found: Entry) -> list[str]:
+def _mean_time(found: Entry, on_assumed: str) -> list[str]:
     if "why_not" in found:
         return [f"no mean time to failure: {found['why_not']}"]
     exact = f", exactly {found['exact']}" if found.get("exact") else ""
-    return [f"mean time to failure {number(found['value'])} h ({found['method']}{exact})"]
+    return [f"mean time to failure {number(found['value'])} h{on_assumed} ({found['method']}{exact})"]
 
 
-def _pairs(found: list[Entry]) -> list[str]:
-    rows = [[" & ".join(one["events"]), number(one["joint"])] for one in found[:LISTED]]
+def _pairs(found: list[Entry], on_assumed: str) -> list[str]:
+    if not found:
+        return ["joint importance: there is no pair of events"]
+    rows = [[" & ".join(one["events"]), number(one["joint"]) + on_assumed] for one in found[:LISTED]]
     return [table(["pair", "joint importance"], rows), *_more(len(found) - len(rows), "pairs")]
 
 
-def _primes(found: Entry) -> list[str]:
+def _primes(found: Entry, on_assumed: str) -> list[str]:
     orders = ", ".join(f"{count} of order {order}" for order, count in found["by_order"].items())
-    lines = [f"{found['count']} prime implicants: {orders}"]
+    lines = [f"{counted(found['count'], 'prime implicant')}: {orders}"]
     for one in found["list"][:LISTED]:
         lines.append("  " + (" & ".join(("" if x["occurs"] else "not ") + x["event"] for x in one) or "(always)"))
     return [*lines, *_more(found["count"] - min(LISTED, len(found["list"])), "prime implicants")]
 
 
-EXTRAS: dict[str, Callable[[Any], list[str]]] = {
+EXTRAS: dict[str, Callable[[Any, str], list[str]]] = {
     "prime_implicants": _primes,
     "joint_importance": _pairs,
     "uncertainty": _uncertainty,
@@ -184,7 +228,7 @@ EXTRAS: dict[str, Callable[[Any], list[str]]] = {
 def _dynamic(entry: Entry) -> str:
     from safety.trees.dynamic_summary import dynamic_lines
 
-    head = f"{entry['id']}\n{entry['gates']} gates, {entry['basic_events']} basic events"
+    head = f"{entry['id']}\n{counted(entry['gates'], 'gate')}, {counted(entry['basic_events'], 'basic event')}"
     timed = entry["dynamic"]["mission_time_h"] is not None
     lines = [head, *([_probability(entry)] if timed else ["probability: give --hours H"]), *dynamic_lines(entry)]
     if entry["minimal_cut_sets"]:
@@ -194,14 +238,22 @@ def _dynamic(entry: Entry) -> str:
 
 def _event_tree(entry: Entry) -> str:
     rows = [
-        [row["id"], number(row["probability"]), number(row["frequency"]), str(row["minimal_cut_sets"]["count"])]
+        [
+            row["id"],
+            *(
+                number(row[name]) + mark(row[name] is not None and row["assumed"])
+                for name in ("probability", "frequency")
+            ),
+            str(row["minimal_cut_sets"]["count"]),
+        ]
         for row in entry["sequences"]
     ]
+    on_assumed = mark(entry["total"] is not None and any(row["assumed"] for row in entry["sequences"]))
     whole = {True: "the sequences share out all that can happen", False: "NOT all that can happen, or more", None: ""}
     return "\n".join(
         [
-            f"{entry['id']}  event tree {entry['event_tree']}, {len(rows)} sequences",
-            f"sum over the sequences {number(entry['total'], 6)}  {whole[entry['partition']]}".rstrip(),
+            f"{entry['id']}  event tree {entry['event_tree']}, {counted(len(rows), 'sequence')}",
+            f"sum over the sequences {number(entry['total'], 6)}{on_assumed}  {whole[entry['partition']]}".rstrip(),
             *(f"wrong: {one}" for one in entry["wrong"]),
             "",
             table(["sequence", "probability", "frequency", "cut sets"], rows),
@@ -227,7 +279,7 @@ def _probability(entry: Entry) -> str:
     model = f"  ({entry['chance']}, {entry['hours']} h)" if entry.get("chance") else ""
     if entry.get("mean_over_phases") is not None:
         share = f"{number(entry['time_fraction'])} of the time"
-        model = f"  ({share}; mean over the phases {number(entry['mean_over_phases'], 6)})"
+        model = f"  ({share}; mean over the phases {number(entry['mean_over_phases'], 6)}{sign})"
     if value is None:
         return f"probability between {low or 0.0!r} and {1.0 if high is None else high!r}{sign}{model}"
     return f"probability {number(value, 6)}{sign}, enclosed by {low!r} and {high!r}{model}"

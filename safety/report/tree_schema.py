@@ -31,9 +31,17 @@ class CutSet(TypedDict, total=False):
     status: Literal["confirmed", "candidate"]  # replayed on the model, or not; absent where no model is behind the tree
 
 
+class Limits(TypedDict):
+    """What cut sets were asked for: at most so many events, at least that probability; None: any."""
+
+    order: int | None
+    probability: Number
+
+
 class CutSets(TypedDict, total=False):
     """The minimal cut sets: all counted, the smallest listed."""
 
+    limits: Limits  # those beyond them are not counted; absent where there are none
     count: int | None
     by_order: dict[str, int]
     sets: list[CutSet]
@@ -69,6 +77,7 @@ class Tree(TypedDict, total=False):
     structure: dict[str, Any]  # the tree itself, in the fault-tree format of safety.trees.json_form
     uncertainty: dict[str, Any]  # of the probability, sampled: see safety.trees.uncertainty.fields
     sensitivity: dict[str, Any]  # see safety.trees.sensitivity.fields
+    errors: list[str]  # of options that could not be carried out
     as_expected: bool
     seconds: Any
     error: str | None
@@ -95,6 +104,7 @@ class Sequence(TypedDict, total=False):
     frequency_high: Number
     frequency_exact: str | None
     frequency_of_all_initiating_events: Number
+    assumed: bool  # whether the figures rest on an event with the source tag A
     paths: list[dict[str, str]]  # the state of each functional event on the way
     minimal_cut_sets: CutSets | None
     importance: list[Importance]
@@ -123,5 +133,6 @@ class EventTree(TypedDict, total=False):
     whole: Number  # what they should add up to: 1, less where substitutions take cases out
     partition: bool | None  # whether the sequences share out all that can happen; None: not known
     wrong: list[str]  # what speaks against it
+    errors: list[str]
     seconds: Any
     error: str | None

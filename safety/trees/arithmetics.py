@@ -143,6 +143,10 @@ class Rationals(Doubles):
         """What is left of x after whole multiples of y, with the sign of x."""
         return x - y * math.trunc(x / y)
 
+    def multiples_below(self, x: Fraction, y: Fraction) -> int:
+        """How many of 0, y, 2 y, ... are less than x, for y > 0."""
+        return max(0, math.ceil(x / y))
+
 
 class Interval(NamedTuple):
     """All numbers from `low` to `high`."""

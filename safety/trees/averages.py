@@ -5,6 +5,10 @@
     PFH                  expected failures / T: the average unconditional failure frequency
     unreliability        probability of at least one failure, at least every Q(t), at most Q(0) + expected failures
 
+PFH is low, too, where the system is mostly down, as what has failed cannot fail again; and where an event that has a
+share of another's probability, as in a common-cause group, is no more likely to fail however long the mission. No level
+is then read off it.
+
 If no event changes, Q is constant and PFDavg exact. Otherwise the integrals are by `quadrature`, where w has M times 2
 times the sum of all failure rates for a bound, as |dQ/dq_i| <= 2 M / max(|q_i| + |1 - q_i|). To its error the rounding
 is added: as Q is monotone in every q_i of a coherent tree, relative errors of the q_i and of the passes over the
@@ -25,8 +29,8 @@ from typing import Any, NamedTuple
 
 from safety.trees.behaviour import UnknownFrequency
 from safety.trees.mission import Mission
-from safety.trees.quadrature import Bounds, Panel, Rule, doubling, rounding, rules
-from safety.trees.safety_levels import Level, level
+from safety.trees.quadrature import Bounds, Panel, Rule, doubling, rounding, rules, written
+from safety.trees.safety_levels import MOST_UNAVAILABLE, Level, level, no_level
 
 AT_ONCE = 4096  # points evaluated in one pass
 COARSE, FINE = 16, 24  # points of the two rules of an estimate
@@ -48,6 +52,7 @@ class Averages:
     method: str  # "constant", "certified quadrature" or "estimated"
     points: int  # at which the tree was evaluated
     unknown: str = ""
+    saturated: str = ""  # an event that PFH understates, with the reason
 
     @property
     def low_demand(self) -> Level:
@@ -56,8 +61,17 @@ class Averages:
 
     @property
     def high_demand(self) -> Level | None:
-        """The safety integrity level of PFH."""
-        return None if self.frequency is None else level("high demand", *self.frequency)
+        """The safety integrity level of PFH; none where it tells nothing, see the module."""
+        if self.frequency is None:
+            return None
+        why = self.saturated
+        if self.unavailability.high >= MOST_UNAVAILABLE:
+            why = (
+                f"the top event holds {self.unavailability.high:.3g} of the time on the average, "
+                f"{float(MOST_UNAVAILABLE):g} or more, and what has failed cannot fail again: PFH understates the risk; "
+                "take a shorter mission, tests or repairs"
+            )
+        return no_level("high demand", *self.frequency, why) if why else level("high demand", *self.frequency)
 
     def plain(self) -> dict[str, Any]:
         """The entry of a results document."""
@@ -68,7 +82,7 @@ class Averages:
         high_demand = self.high_demand
         return {
             "mission_time_h": self.mission_time_h,
-            "pfd_avg": self.unavailability.plain() | {"exact": None if self.exact is None else str(self.exact)},
+            "pfd_avg": self.unavailability.plain() | {"exact": written(self.exact)},
             "pfh_per_h": entry(self.frequency),
             "expected_failures": entry(self.expected_failures),
             "unreliability": None if self.unreliability is None else self.unreliability._asdict(),
@@ -87,7 +101,7 @@ def averages(mission: Mission) -> Averages:
     ends = [*mission.tests(), mission.time_h]
     first, *at_ends = solution.many(mission.columns([(Fraction(0), 0.0), *((end, 0.0) for end in ends)]))
     if not mission.changing:
-        exact, why = solution.exact, "no event below the top event has a rate"
+        exact, why = solution.exact, mission.unknown or "no event below the top event has a rate"
         around = Bounds(*(solution.bounds or (first, first))) if exact is None else Bounds.of(exact)
         return Averages(None, around, exact, None, None, None, first, "constant", 1, why)
     certified = mission.is_coherent and all(event.is_bounded for event in mission.changing.values())
@@ -109,7 +123,22 @@ def averages(mission: Mission) -> Averages:
         "certified quadrature" if certified else "estimated",
         total.points,
         total.unknown,
+        _saturated(mission, ends),
     )
+
+
+def _saturated(mission: Mission, ends: Sequence[Fraction]) -> str:
+    """An event whose frequency falls as that of which it has a share has failed already, and why PFH is too low."""
+    for name, event in mission.changing.items():
+        share = float(event.scale)
+        down = (piece.down(float(end - begin)) for end in ends for begin, piece in [event.piece(end)])
+        if share < 1 and any(q >= MOST_UNAVAILABLE * share for q in down):
+            return (
+                f'"{name}" has {share:g} times the probability of an event that is down with {float(MOST_UNAVAILABLE):g} '
+                "or more in the end, and as little to fail: PFH understates the risk; take a shorter mission, tests or "
+                "repairs, or give it a rate of its own"
+            )
+    return ""
 
 
 class _Sum(NamedTuple):

@@ -6,6 +6,9 @@ goes from `start` to `limit` at the rate `pace`, as do a constant (pace 0), an e
 possibly times a constant `scale`. Tested is a periodic test after which failures are repaired at a rate. Expressed is
 any other expression of the mission time.
 
+A rated event whose exposure time is not the mission's, as any law of a fixed time, keeps the probability that it has
+then: how often it fails is not known, as it is not said when its exposure begins anew (`unknown`).
+
 The failure frequency is the unconditional one: the expected number of failures per hour, whatever went before. The
 repair frequency is its counterpart. A scaled law fails and is repaired `scale` times as often.
 
@@ -17,6 +20,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
+from decimal import Decimal
 from fractions import Fraction
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -29,6 +33,8 @@ if TYPE_CHECKING:
 MISSION_TIME = "mission time"  # in the place of a parameter's name, as in `expressions`
 ZERO, ONE = Fraction(0), Fraction(1)
 LARGEST = 700.0  # exponent of e that is still a double
+EXTREME = Fraction(10**100)  # rates and times lie between this and its inverse, so that products are still doubles
+LAWS = ("exponential", "Weibull", "GLM", "periodic-test")
 
 
 class UnknownFrequency(TreeError):
@@ -37,7 +43,10 @@ class UnknownFrequency(TreeError):
 
 @dataclass(frozen=True)
 class Relaxing:
-    """See the module. `first_test` and `interval` are those of its tests, None if there are none."""
+    """See the module. `first_test` and `interval` are those of its tests, None if there are none.
+
+    At the pace 0 it stays at `start`, and so `limit` is that.
+    """
 
     start: Fraction
     limit: Fraction
@@ -48,11 +57,17 @@ class Relaxing:
     first_test: Fraction | None = None
     interval: Fraction | None = None
     is_exact: bool = True  # whether all these are as given, none a rounded one
+    unknown: str = ""  # why it is not known how often it fails
+
+    def __post_init__(self) -> None:
+        _check_rates(self.pace, self.failure_rate, self.repair_rate)
+        if not self.pace:
+            object.__setattr__(self, "limit", self.start)
 
     @property
     def varies(self) -> bool:
-        """Whether it depends on time at all."""
-        return self.pace > 0 and self.start != self.limit and self.scale > 0
+        """Whether anything happens to it: its probability changes, or failures and repairs balance."""
+        return self.pace > 0 and self.scale > 0 and (self.start != self.limit or 0 < self.limit < 1)
 
     @property
     def is_bounded(self) -> bool:
@@ -119,6 +134,10 @@ class Tested:
     interval: Fraction
     first_test: Fraction
     scale: Fraction = ONE
+    unknown = ""
+
+    def __post_init__(self) -> None:
+        _check_rates(self.failure_rate, self.repair_rate)
 
     @property
     def varies(self) -> bool:
@@ -210,7 +229,7 @@ class Expressed:
     event: str
     expression: Expression
     scale: Fraction = ONE
-    varies, is_bounded = True, False
+    varies, is_bounded, unknown = True, False, ""
     pace = failure_rate = repair_rate = ZERO
 
     def tests(self, until: Fraction) -> Iterator[Fraction]:
@@ -297,25 +316,59 @@ def behaviours(tree: FaultTree) -> list[Behaviour]:
     """What each event of `tree` does as time goes on, in the order of its events.
 
     An event with a rate follows the time if its mission time is the tree's; with another one of its own it keeps the
-    probability that it has then. Raises TreeError: an event without a probability, or with a negative one.
+    probability that it has then. Raises TreeError: an event without a probability; a rate no double can hold.
     """
     time = mission_time(tree)
     return [_behaviour(event, time) for event in tree.events]
 
 
 def _behaviour(event: BasicEvent, time: Fraction | None) -> Behaviour:
-    if event.probability is None and event.rate_per_hour is not None and event.mission_time_h == time:
-        return Relaxing(ZERO, ONE, event.rate_per_hour, event.rate_per_hour)
-    if event.expression is not None and event.expression.uses_mission_time:
-        return _law(event.name, event.expression)
+    rate, expression = event.rate_per_hour, event.expression
+    follows = event.mission_time_h == time
+    try:
+        if rate is not None and event.probability is None and follows:
+            return Relaxing(ZERO, ONE, rate, rate)
+        if expression is not None and expression.uses_mission_time and follows:
+            return _law(event.name, expression)
+    except TreeError as error:
+        raise TreeError(f'basic event "{event.name}": {error.message}', event.name, error.place) from None
+    unknown = _unknown(event)
     if event.exact_chance is not None:
-        return Relaxing(event.exact_chance[0], event.exact_chance[0])
+        return Relaxing(event.exact_chance[0], ZERO, unknown=unknown)
     if event.chance is None:
         raise TreeError(
             f'basic event "{event.name}" has no probability, so nothing can be said over time; give it one', event.name
         )
-    near = Fraction(event.chance[0])
-    return Relaxing(near, near, is_exact=False)
+    return Relaxing(Fraction(event.chance[0]), ZERO, is_exact=False, unknown=unknown)
+
+
+def _unknown(event: BasicEvent) -> str:
+    """Why it is not known how often an event fails that keeps its probability; nothing if it does not fail."""
+    if event.rate_per_hour and event.probability is not None:
+        return "it has a probability beside its rate; give it only the rate"
+    if event.rate_per_hour or (event.expression is not None and event.expression.uses_mission_time):
+        return (
+            f"its exposure time of its own, {float(event.mission_time_h or 0):g} h, does not say how often it begins "
+            "anew; give it the mission time, or a periodic-test"
+        )
+    for part in event.expression.below() if event.expression is not None else ():
+        if part.tag in LAWS:
+            return f"its <{part.tag}> is of a fixed time, not of the mission time; give it <system-mission-time/>"
+    return ""
+
+
+def double(value: Fraction, what: str) -> Fraction:
+    """`value`, if it is 0 or of a size to compute with in doubles. Raises TreeError."""
+    if value and not 1 / EXTREME <= abs(value) <= EXTREME:
+        size = Decimal(value.numerator) / Decimal(value.denominator)
+        number = f"{Decimal(f'{size:.5e}').normalize():g}"
+        raise TreeError(f"{what} is {number}, expected 0 or a number from 1e-100 to 1e+100; correct it")
+    return value
+
+
+def _check_rates(*rates: Fraction) -> None:
+    for rate in rates:
+        double(rate, "a rate per hour of failure or repair")
 
 
 def _law(name: str, expression: Expression) -> Behaviour:

@@ -1,9 +1,9 @@
 """Check certificates of solved fault trees: `python check_tree.py FILE...`, one file that needs nothing but Python.
 
 Exit code: 0 checked, 1 rejected, 2 not a certificate, 3 undecided (a diagram outgrew MOST_NODES).
-A certificate is JSON.  `order` has the events; `tree` is what was solved: its name, gates [name, kind, inputs, k], inputs
-first, the top, events [name, chance], chances such as "1/3", "1-exp(-1/8)" or null, house events [name, state].  `reduced` is
-the same simplified, gates [kind, k, references]; `diagram` again, nodes [variable, high, low], where a variable may be
+A certificate is JSON.  `order` has the events; `tree` is what was solved: name, gates [name, kind, inputs, k] (inputs
+first), top, events [name, chance], chances such as "1/3", "1-exp(-1/8)" or null, house events [name, state].  `reduced`
+is the same simplified, gates [kind, k, references]; `diagram` again, nodes [variable, high, low]; a variable may be
 a module, some node before it.  A reference is 2 n, or 2 n + 1 for the opposite, to number n: true at 0, then the events
 in order, then the gates or nodes, each after those that it is made of.
 

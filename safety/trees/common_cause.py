@@ -261,7 +261,7 @@ def _events(group: CcfGroup, members: list[BasicEvent], total: BasicEvent) -> li
             name=_name(names),
             description=f"{' and '.join(names)} fail{'' if k > 1 else 's'} {'together' if k > 1 else 'alone'} "
             f"({group.name}, {group.model})",
-            source=source,
+            source="A" if (richer := scaled[k].expression) is not None and richer.is_assumed else source,
         )
         for k, names in _sets(group, members)
     ]

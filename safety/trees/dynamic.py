@@ -176,7 +176,8 @@ class DynamicTree:
             if times > 1:
                 raise TreeError(f'"{name}" is defined {times} times; rename or remove all but one', name)
         if not isinstance(self.nodes.get(self.top), DynamicGate):
-            raise TreeError(f'the top "{self.top}" is no gate; name one of the {len(self.gates)} gates', self.top)
+            known = f"name one of the gates: {', '.join(g.name for g in self.gates[:9])}" if self.gates else "add one"
+            raise TreeError(f'the top "{self.top}" is no gate; {known}', self.top)
         for gate in self.gates:
             self._check_known(gate.name, gate.inputs)
         for restriction in self.restrictions:
@@ -277,6 +278,14 @@ class DynamicTree:
     @classmethod
     def of(cls, tree: FaultTree) -> DynamicTree:
         """The static `tree` as a dynamic one. Raises TreeError: a not or xor gate, an event without rate or chance."""
+        for event in tree.events:
+            if event.probability is None and event.rate_per_hour is None:
+                what = "no probability" if event.expression is None else "an expression as its probability"
+                raise TreeError(
+                    f'event "{event.name}" has {what}, which Galileo text cannot hold; give it a number or a rate, or '
+                    "write the tree as .json or .xml",
+                    event.name,
+                )
         for gate in tree.gates:
             if gate.kind not in STATIC:
                 raise TreeError(f'gate "{gate.name}" is a {gate.kind}, expected and, or, vote only', gate.name)

@@ -147,8 +147,8 @@ class _Enclosing:
         """The chance of one of its functions, and by level that of function and variable together."""
         diagram = self.parts.diagrams.Diagram(*module.enclosure.function(side))
         occurs, fails, edge = self._levels(module, diagram, chances)
-        given, other = (array("d", bytes(8 * len(occurs))) for _ in range(2))
-        diagram.conditionals(occurs, fails, edge, given, other)
+        given, *others = (array("d", bytes(8 * len(occurs))) for _ in range(3))
+        diagram.conditionals(occurs, fails, edge, diagram.root, given, *others)
         return edge[diagram.root], [o * g for o, g in zip(occurs, given, strict=True)]
 
     def _evaluate(self, module: Part | _Open, side: int, chances: array[float]) -> None:

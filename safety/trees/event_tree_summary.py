@@ -7,6 +7,7 @@ from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
 from safety.trees.event_tree_answers import EventTreeAnswer, Figure, SequenceAnswer, analyse, consequences
+from safety.trees.study import expressions_in
 from safety.trees.summary import EXACT_BITS, LISTED, cut_set_rows, plain
 
 if TYPE_CHECKING:
@@ -19,8 +20,9 @@ def event_tree_entries(study: Study, *, source: str = "", listed: int = LISTED) 
     With alignments there is one entry for each of their phases, and the frequency over all initiating events is the
     mean over the phases of an alignment. "probability" is that of a sequence given the initiating event, "frequency"
     the same times its frequency (in the unit of that, None where there is none). "partition" is whether the sequences
-    share out all that can happen, None where that is not known, and "wrong" says what speaks against it. Figures lie
-    between their "_low" and "_high" whatever the rounding. Raises TreeError, TooLarge.
+    share out all that can happen, None where that is not known, and "wrong" says what speaks against it.
+    Figures lie between their "_low" and "_high" whatever the rounding; those of a sequence with "assumed" rest on an
+    assumed event, split fraction or frequency. Raises TreeError, TooLarge.
     """
     if not study.alignments:
         return _entries(study, source, listed, ("", ()))
@@ -56,6 +58,7 @@ def _entries(study: Study, source: str, listed: int, alignment: tuple[str, tuple
 
 def _entry(answer: EventTreeAnswer, study: Study, source: str, listed: int) -> dict[str, Any]:
     tree = next(one for one in study.event_trees if one.name == answer.initiating.event_tree)
+    factors = any(one.is_assumed for one in expressions_in((answer.initiating, *study.event_trees)))
     return {
         "id": answer.initiating.name,
         "description": answer.initiating.description,
@@ -63,7 +66,7 @@ def _entry(answer: EventTreeAnswer, study: Study, source: str, listed: int) -> d
         "event_tree": tree.name,
         **_figure("frequency", answer.frequency),
         "functional_events": [{"id": one.name, "description": one.description} for one in tree.functional_events],
-        "sequences": [_sequence(answer, one, listed) for one in answer.sequences.values()],
+        "sequences": [_sequence(answer, one, listed, factors) for one in answer.sequences.values()],
         **_figure("total", answer.total),
         "whole": None if answer.whole is None else answer.whole.value,
         "partition": answer.is_partition,
@@ -71,7 +74,8 @@ def _entry(answer: EventTreeAnswer, study: Study, source: str, listed: int) -> d
     }
 
 
-def _sequence(answer: EventTreeAnswer, sequence: SequenceAnswer, listed: int) -> dict[str, Any]:
+def _sequence(answer: EventTreeAnswer, sequence: SequenceAnswer, listed: int, factors: bool) -> dict[str, Any]:
+    sources = {event.name: event.source for event in sequence.solution.tree.events}
     importance = sorted(sequence.importance().values(), key=lambda one: (-abs(one.criticality or 0), one.event))
     return {
         "id": sequence.name,
@@ -80,7 +84,8 @@ def _sequence(answer: EventTreeAnswer, sequence: SequenceAnswer, listed: int) ->
         **_figure("frequency", answer.frequency_of(sequence.name)),
         "paths": [dict(course.states) for course in sequence.courses],
         "minimal_cut_sets": cut_set_rows(sequence.solution, listed),
-        "importance": [plain(one) for one in importance],
+        "importance": [plain(one) | {"source": sources[one.event]} for one in importance],
+        "assumed": factors or "A" in sources.values(),
     }
 
 

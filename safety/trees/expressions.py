@@ -189,6 +189,11 @@ class Expression:
         """The parameters within it by name."""
         return {each.name: each for each in self.below() if isinstance(each, Parameter)}
 
+    @property
+    def is_assumed(self) -> bool:
+        """Whether a parameter within it has the source tag A."""
+        return any(each.source == "A" for each in self.below() if isinstance(each, Parameter))
+
 
 class Constant(Expression):
     """A number, kept as written."""
@@ -234,10 +239,10 @@ class Parameter(Expression):
     """A named quantity with its definition: one and the same variable wherever the name stands."""
 
     tag = "parameter"
-    __slots__ = ("name", "unit")
+    __slots__ = ("name", "source", "unit")
 
-    def __init__(self, name: str, definition: Expression | Rational, unit: str = "") -> None:
-        self.name, self.unit = name, unit  # the unit is for the reader
+    def __init__(self, name: str, definition: Expression | Rational, unit: str = "", source: str = "") -> None:
+        self.name, self.unit, self.source = name, unit, source  # unit and source tag are for the reader
         super().__init__(definition)
 
     @property

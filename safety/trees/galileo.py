@@ -64,9 +64,13 @@ def read_galileo(text: bytes, file: str) -> DynamicTree:
 def to_galileo(tree: DynamicTree | FaultTree) -> str:
     """Galileo text of `tree`; `read_galileo` gives an equal tree back (named after its top).
 
-    Raises TreeError: a quote or line break in a name; in a static tree a not or xor gate, an event without a figure.
+    Raises TreeError: a quote or line break in a name; in a static tree a not or xor gate, an event without figure,
+    rates with different mission times.
     """
     if isinstance(tree, FaultTree):
+        times = {e.mission_time_h for e in tree.events if e.probability is None and e.rate_per_hour is not None}
+        if len(times | ({tree.mission_time_h} - {None})) > 1:
+            raise TreeError("rates with different mission times, which Galileo text cannot hold; write .json or .xml")
         tree = DynamicTree.of(tree)
     lines = [f"toplevel {_quoted(tree.top)};"]
     for gate in tree.gates:

@@ -45,9 +45,10 @@ class Importance(Record):
     risk_reduction_worth: Any
 
 
-def measures(event: str, q: Any, top: Any, with_event: Any, without_event: Any) -> Importance:
-    """All measures of `event` from q, P, P1 and P0 (see the module)."""
-    birnbaum = with_event - without_event
+def measures(event: str, q: Any, top: Any, with_event: Any, without_event: Any, birnbaum: Any = None) -> Importance:
+    """All measures of `event` from q, P, P1 and P0 (see the module), and P1 - P0 where it is known better."""
+    if birnbaum is None:
+        birnbaum = with_event - without_event
     if top == 0:
         return Importance(event, q, birnbaum, None, None, None, None, None)
     lost = q * birnbaum  # P - P0, without its cancellation

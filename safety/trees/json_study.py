@@ -1,6 +1,7 @@
 """The parts of a Study in the project's own JSON: keys beside those of a fault tree, each a list.
 
-    "parameters":        [{"name": "rate", "expression": {"lognormal-deviate": ["1e-6", 3, "0.95"]}, "unit": "hours-1"}]
+    "parameters":        [{"name": "rate", "expression": {"lognormal-deviate": ["1e-6", 3, "0.95"]}, "unit": "hours-1",
+                          "source": "P"}]
     "ccf_groups":        [{"name": "Pumps", "model": "beta-factor", "members": ["A", "B"], "factors": {"2": "0.1"}}]
     "substitutions", "alignments", "initiating_events", "event_trees": the fields of the classes of these names
 
@@ -48,7 +49,8 @@ def parameters_to_json(expressions: Iterable[Expression]) -> list[dict[str, Any]
     for expression in expressions:
         found |= expression.parameters
     return [
-        {"name": one.name, "expression": expression_to_json(one.definition)} | ({"unit": one.unit} if one.unit else {})
+        {"name": one.name, "expression": expression_to_json(one.definition)}
+        | {key: value for key, value in (("unit", one.unit), ("source", one.source)) if value}
         for one in found.values()
     ]
 
@@ -101,7 +103,7 @@ class Parts:
         for entry in document.get("parameters", []):
             if not isinstance(entry, dict) or not isinstance(entry.get("name"), str) or "expression" not in entry:
                 raise self._error(f'{_shown(entry)} is no parameter, expected "name" and "expression"; correct it')
-            if unknown := entry.keys() - {"name", "expression", "unit"}:
+            if unknown := entry.keys() - {"name", "expression", "unit", "source"}:
                 raise self._error(f'parameter "{entry["name"]}" has the unknown key "{min(unknown)}"; remove it')
             if entry["name"] in self._written:
                 raise self._error(f'parameter "{entry["name"]}" is defined twice; rename or remove one')
@@ -154,7 +156,8 @@ class Parts:
             raise self._error(f"parameters in a cycle: {loop}; give one of them a number")
         self._open.append(name)
         entry = self._written[name]
-        self._made[name] = Parameter(name, self.expression(entry["expression"]), str(entry.get("unit", "")))
+        unit, source = (str(entry.get(key, "")) for key in ("unit", "source"))
+        self._made[name] = Parameter(name, self.expression(entry["expression"]), unit, source)
         self._open.pop()
         return self._made[name]
 

@@ -205,7 +205,9 @@ class _TestedPart(NamedTuple):
         a, (up, failed, repair) = self.a, state
         one = a.number(Fraction(1))
         stays = a.call("exp", -self.rate * hours)
-        overlap = stays * a.call("decay", (self.repair_rate - self.rate) * hours)
+        # The mean of exp(-rate s - repair_rate (hours - s)), from its slower end, from which nothing can overflow.
+        slower = a.call("exp", -a.smallest([self.rate, self.repair_rate]) * hours)
+        overlap = slower * a.call("decay", a.absolute(self.repair_rate - self.rate) * hours)
         back = repair * (one - self.omega) * self.repair_rate * hours * overlap
         still = repair * a.call("exp", -self.repair_rate * hours)
         newly = -up * a.call("expm1", -self.rate * hours)

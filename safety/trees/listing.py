@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import heapq
 import itertools
+import math
 from array import array
 from collections.abc import Iterator, Mapping, Sequence
 
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
     _Todo = tuple[int, int, int, "_Todo" | None]  # module, node, number of events, what comes after
 
 EMPTY = 1  # the node of the family of just the empty set
+DIGITS = 9  # of logarithms that are compared: what is left is rounding, and would lead the search astray
 WORD = 64  # orders below it have a bit each in the kernel's masks
 CutSet = tuple[int, ...]
 
@@ -85,41 +87,42 @@ class Families:
     def likeliest_first(self, chance: Mapping[int, float]) -> Iterator[tuple[float, CutSet]]:
         """The cut sets by decreasing product of the chances of their events, each with that product.
 
-        Sets of chance 0 are left out. Best-first search; what is still open is bounded by the best that it leads to.
+        Sets of chance 0 are left out; products that agree to nine digits count as equal. Best-first search; what is
+        still open is bounded by the best that it leads to.
         """
-        best: dict[int, Sequence[float]] = {}
-        worth = dict(chance)
+        best: dict[int, Sequence[float]] = {}  # logarithms, which no number of events brings down to 0
+        worth = {number: math.log(one) if one > 0 else -math.inf for number, one in chance.items()}
         for module, (family, variables) in self.members.items():
             best[module] = family.best(array("d", [worth[variable] for variable in variables]))
             worth[module] = best[module][family.root]
         root = self.members[self.top][0].root
-        ties = itertools.count()  # so that the order is always the same
-        heap: list[tuple[float, int, float, Any, CutSet]] = []
+        ties = itertools.count(0, -1)  # of equal ones the last found, which is nearest to its end; always the same order
+        heap: list[tuple[float, int, float, float, Any, CutSet]] = []
 
         def push(bound: float, sure: float, todo: Any, chosen: CutSet) -> None:
-            if bound > 0:
-                heapq.heappush(heap, (-bound, next(ties), sure, todo, chosen))
+            if bound > -math.inf:
+                heapq.heappush(heap, (round(-bound, DIGITS), next(ties), bound, sure, todo, chosen))
 
         push(best[self.top][root], 1.0, (self.top, root, None), ())
         while heap:
-            bound, _, sure, todo, chosen = heapq.heappop(heap)
+            _, _, bound, sure, todo, chosen = heapq.heappop(heap)
             if todo is None:
                 yield sure, chosen
                 continue
             module, node, rest = todo
             if node == EMPTY:
-                push(-bound, sure, rest, chosen)
+                push(bound, sure, rest, chosen)
                 continue
             family, variables = self.members[module]
             level, high, low, _ = family.node[4 * node : 4 * node + 4]
             variable = variables[level]
-            outside = -bound / best[module][node]
-            push(outside * best[module][low], sure, (module, low, rest), chosen)
-            bound = outside * best[module][high] * worth[variable]
+            outside = bound - best[module][node]
+            push(outside + best[module][low], sure, (module, low, rest), chosen)
+            bound = outside + best[module][high] + worth[variable]
             if variable in self.members:
                 push(bound, sure, (variable, self.members[variable][0].root, (module, high, rest)), chosen)
             else:
-                push(bound, sure * worth[variable], (module, high, rest), (*chosen, variable))
+                push(bound, sure * chance[variable], (module, high, rest), (*chosen, variable))
 
     def _masks(self) -> dict[int, Sequence[int]]:
         """For each module and node, bit n set where it has a set of n events."""

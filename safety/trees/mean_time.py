@@ -20,7 +20,7 @@ from typing import Any
 
 from safety.trees.behaviour import ZERO, Relaxing
 from safety.trees.mission import CAUSES, Mission
-from safety.trees.quadrature import TOLERANCE, Bounds, doubling, rounding, rules
+from safety.trees.quadrature import TOLERANCE, Bounds, doubling, rounding, rules, written
 from safety.trees.solve import Solution, solve
 from safety.trees.tree import BasicEvent, FaultTree, Gate, TreeError
 
@@ -50,17 +50,19 @@ class MeanTime:
                 "method": self.method,
                 "never": self.never,
             }
-        exact = None if self.exact is None or len(str(self.exact)) > 1000 else str(self.exact)
-        return self.bounds.plain() | {"exact": exact, "method": self.method}
+        return self.bounds.plain() | {"exact": written(self.exact), "method": self.method}
 
 
 def mean_time_to_failure(tree: FaultTree) -> MeanTime:
     """The mean time until the top event of `tree`.
 
-    Raises TreeError: an event that is repaired or tested, or not of constant probability or failure rate; one that
-    changes and can prevent the top event; no event below the top that changes. Raises TooLarge.
+    Raises TreeError: an event that is repaired or tested, or not of constant probability or failure rate, or has a
+    share of the probability of one; an exposure time that is not the mission's; one that changes and can prevent the
+    top event; no event below the top that changes. Raises TooLarge.
     """
     mission = Mission(tree, 1)  # only the behaviours count
+    if mission.unknown:
+        raise TreeError(f"the mean time to failure is not known, as how often events fail is not: {mission.unknown}")
     if not mission.changing:
         raise TreeError(
             f'no event below the top of fault tree "{tree.name}" has a failure rate, so there is no mean time to '
@@ -86,6 +88,13 @@ def _not_repaired(mission: Mission) -> list[Relaxing]:
             raise TreeError(
                 f'basic event "{name}" is repaired, tested or of no constant failure rate; the mean time to failure is '
                 "known for constant probabilities and failure rates only",
+                name,
+            )
+        if below and isinstance(event, Relaxing) and event.scale != 1:
+            raise TreeError(
+                f'basic event "{name}" has {float(event.scale):g} times the probability of an event with a rate, as '
+                "one of a common-cause group has: that is no constant failure rate, and the mean time to failure is "
+                "not known from it; give it a rate of its own",
                 name,
             )
         if below and mission.effects[name] != CAUSES:

@@ -306,7 +306,7 @@ class MefReader:
         else:
             source = ""
         values = self.quantity(only(element, "an expression"), scope) if expressions else {}
-        if "expression" in values and self.expressions.is_assumed(values["expression"]):
+        if "expression" in values and values["expression"].is_assumed:
             source = "A"
         event = BasicEvent(name, description=label, source=source, attributes=attributes, **values)
         self.draft.add(event, element.place)

@@ -74,11 +74,6 @@ class Expressions:
         number = plain(expression)
         return {"expression": expression} if number is None else {"probability": number}
 
-    def is_assumed(self, expression: Expression) -> bool:
-        """Whether it uses a parameter that carries the source tag A."""
-        defined = self._reader.parameters
-        return any(("source", "A") in attributes(defined[name][0]) for name in expression.parameters)
-
     def read(self, element: Element, scope: str) -> Expression:
         """An expression written inside `scope` ("Tree.Component."). Raises TreeError with file and line."""
         tag = element.tag
@@ -134,7 +129,7 @@ class Expressions:
         self._open.append(name)
         value = self.read(only(definition, "an expression"), scope)
         self._open.pop()
-        self._made[name] = Parameter(name, value, unit)
+        self._made[name] = Parameter(name, value, unit, dict(attributes(definition)).get("source", ""))
         return self._made[name]
 
 

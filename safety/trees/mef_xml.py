@@ -26,7 +26,8 @@ def parameters(definitions: Mapping[str, Parameter]) -> Lines:
     lines: Lines = []
     for one in definitions.values():
         unit = {"unit": one.unit} if one.unit else {}
-        lines += element("define-parameter", {"name": one.name} | unit, expression(one.definition))
+        source = attributes([("source", one.source)] if one.source else [])
+        lines += element("define-parameter", {"name": one.name} | unit, source + expression(one.definition))
     return element("model-data", {}, lines) if lines else []
 
 

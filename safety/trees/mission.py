@@ -22,7 +22,7 @@ from fractions import Fraction
 from functools import cached_property
 from typing import Any, NamedTuple
 
-from safety.trees.behaviour import Behaviour, Piece, UnknownFrequency, behaviours, mission_time
+from safety.trees.behaviour import Behaviour, Piece, UnknownFrequency, behaviours, double, mission_time
 from safety.trees.solve import Solution, solve
 from safety.trees.tree import FaultTree, Rational, TreeError, exact
 
@@ -62,7 +62,8 @@ class Occurrences(NamedTuple):
 class Mission:
     """A solved tree with what each of its events does over time.
 
-    Raises TreeError: an event without a probability, a mission time of 0, mission times that differ; and TooLarge.
+    Raises TreeError: an event without a probability, a mission time of 0, mission times that differ, a time or rate
+    that no double can hold; and TooLarge.
     """
 
     def __init__(self, tree: FaultTree, mission_time_h: Rational | None = None) -> None:
@@ -70,15 +71,24 @@ class Mission:
         self.events: list[Behaviour] = behaviours(tree)
         if found is not None and found <= 0:
             raise TreeError(f"the mission time is {float(found):g} h, expected more than 0; correct it")
-        self.tree, self.time_h = tree, Fraction(1) if found is None else found  # without one nothing changes
+        self.tree = tree
+        self.time_h = Fraction(1) if found is None else double(found, "the mission time")  # without one nothing changes
         self.effects = effects(tree)
         self.solution: Solution = solve(tree)
 
     @cached_property
     def changing(self) -> dict[str, Behaviour]:
-        """The events below the top whose probability changes in the course of time."""
+        """The events below the top that change in the course of time."""
         named = zip(self.solution.events, self.events, strict=True)
         return {name: event for name, event in named if event.varies and name in self.effects}
+
+    @cached_property
+    def unknown(self) -> str:
+        """Why the failures of one of the events below the top are not known; empty if they are."""
+        named = zip(self.solution.events, self.events, strict=True)
+        return next(
+            (f'"{name}": {event.unknown}' for name, event in named if event.unknown and name in self.effects), ""
+        )
 
     @property
     def is_coherent(self) -> bool:
@@ -91,6 +101,8 @@ class Mission:
 
     def occurrences(self, places: Sequence[tuple[Fraction, float]]) -> Occurrences:
         """Q, w and the sum of the w_i at each place. Raises UnknownFrequency."""
+        if self.unknown:
+            raise UnknownFrequency(self.unknown)
         if not self.changing:
             raise UnknownFrequency("no event below the top event has a rate")
         columns = self.columns(places)
@@ -140,14 +152,14 @@ class Mission:
     def curve(self, times_h: Iterable[Rational] | int) -> Curve:
         """The curve at given times, or at so many equal steps from 0 to the mission time.
 
-        Raises TreeError for a negative time.
+        Raises TreeError for a negative time or one that no double can hold.
         """
         if isinstance(times_h, int):
             if times_h < 1:
                 raise TreeError(f"a curve of {times_h} steps was asked for, expected 1 or more")
             times = [self.time_h * n / times_h for n in range(times_h + 1)]
         else:
-            times = [exact(time, "a time of the curve") for time in times_h]
+            times = [double(exact(time, "a time of the curve"), "a time of the curve") for time in times_h]
         if times and min(times) < 0:
             raise TreeError(f"a time of the curve is {float(min(times)):g} h, expected 0 or more; correct it")
         places = [(time, 0.0) for time in times]

@@ -14,6 +14,7 @@ proof.
 from __future__ import annotations
 
 import math
+import sys
 from collections.abc import Collection, Iterator
 from fractions import Fraction
 from functools import cache
@@ -26,6 +27,7 @@ R = 3 + 2 * math.sqrt(2)
 EXTRA_POINTS = 40  # of the rule on one panel for what its events grow by; where more are needed the panel is halved
 HALF_ULP = 2.0**-53  # the largest relative error of one rounding
 LEAST = 1e-300  # scale of what is integrated, below which it counts as zero
+READ_BITS = 200  # of a rational that is written out: 60 digits
 TOLERANCE = 1e-15  # of the integral, aimed at
 ROUNDINGS = (
     200  # half ulps per event or module; all but a few are for exp(-x), up to the x that matter (e^-40 is 4e-18)
@@ -40,7 +42,9 @@ class Bounds(NamedTuple):
 
     @classmethod
     def of(cls, exact: Fraction) -> Bounds:
-        """The doubles next to a rational."""
+        """The doubles next to a rational that is not negative."""
+        if exact > sys.float_info.max:
+            return cls(sys.float_info.max, math.inf)
         nearest = float(exact)
         return cls(
             nearest if nearest <= exact else math.nextafter(nearest, -math.inf),
@@ -86,6 +90,13 @@ class Rule(NamedTuple):
         base, half = self.panel.base, self.panel.width / 2
         for x, weight in gauss(self.points):
             yield (base, self.panel.middle + half * x), weight * half
+
+
+def written(exact: Fraction | None) -> str | None:
+    """A rational as text, None where it has more digits than are read."""
+    if exact is None or exact.numerator.bit_length() + exact.denominator.bit_length() > READ_BITS:
+        return None
+    return str(exact)
 
 
 def rounding(solution: Solution, tests: int = 0) -> float:

@@ -11,6 +11,9 @@ Below the band of level 4 the level is still 4, as the standard has none above; 
 is none, 0 here. Limits are compared as rationals: 1/1000 itself is level 2. A figure known only to lie between two
 numbers has the levels of both, and is undecided where they differ.
 
+A frequency tells nothing of what is mostly unavailable, as what has failed cannot fail again: a high demand level is
+given only up to MOST_UNAVAILABLE, from where on there is no level in low demand either.
+
 Source: IEC 61508-1:2010, tables 2 and 3.
 """
 
@@ -22,6 +25,7 @@ from typing import Any
 
 HIGHEST = 4
 UPPER_END = {"low demand": Fraction(1, 10), "high demand": Fraction(1, 10**5)}  # of level 1
+MOST_UNAVAILABLE = Fraction(1, 10)  # of the time
 
 
 @dataclass(frozen=True)
@@ -33,6 +37,7 @@ class Level:
     high: Fraction
     worst: int  # level at `high`, 0 for none
     best: int  # level at `low`
+    why_none: str = ""  # why no level is given, whatever the figure
 
     @property
     def decided(self) -> int | None:
@@ -42,7 +47,9 @@ class Level:
     def plain(self) -> dict[str, Any]:
         """The entry of a results document; `sil` is None where the figure straddles `limit`."""
         entry: dict[str, Any] = {"mode": self.mode, "sil": self.decided, "sil_at_least": self.worst}
-        if self.decided is None:
+        if self.why_none:
+            entry["why_none"] = self.why_none
+        elif self.decided is None:
             entry["limit"] = float(UPPER_END[self.mode] / 10**self.worst)
         elif self.high < UPPER_END[self.mode] / 10**HIGHEST:
             entry["beyond"] = True  # better than the band of level 4 asks for
@@ -57,6 +64,11 @@ def level(mode: str, low: Fraction | float, high: Fraction | float | None = None
     first = Fraction(low)
     last = first if high is None else Fraction(high)
     return Level(mode, first, last, _of(mode, last), _of(mode, first))
+
+
+def no_level(mode: str, low: float, high: float, why: str) -> Level:
+    """No level for a figure between `low` and `high`, for a reason of another kind."""
+    return Level(mode, Fraction(low), Fraction(high), 0, 0, why)
 
 
 def _of(mode: str, figure: Fraction) -> int:

@@ -22,9 +22,13 @@ from safety.trees.tree import BasicEvent, FaultTree, Rational, TreeError, exact
 
 @dataclass(frozen=True)
 class Derivative:
-    """The derivative of the top's probability by a quantity, and relative to both: (x / P) dP/dx, None if P is 0."""
+    """The derivative of the top's probability by a quantity, and relative to both: (x / P) dP/dx, None if P is 0.
+
+    `kind` is "parameter", "event" or MISSION_TIME: a parameter and an event may have one name.
+    """
 
     name: str
+    kind: str
     value: float
     derivative: float
     elasticity: float | None
@@ -46,8 +50,7 @@ def derivatives(solution: Solution) -> list[Derivative]:
         if event.name not in importance:
             continue
         slope, timed = importance[event.name].birnbaum, _timed(event)
-        if event.name not in shared:
-            found.append(_derivative(event.name, importance[event.name].probability, slope, top))
+        found.append(_derivative(event.name, "event", importance[event.name].probability, slope, top))
         if timed is None:
             continue
         names = [*timed.parameters, *([MISSION_TIME] if timed.uses_mission_time else [])]
@@ -60,12 +63,13 @@ def derivatives(solution: Solution) -> list[Derivative]:
     for name, parts in terms.items():
         value = values[name]
         assert value is not None
-        found.append(_derivative(name, float(value), math.fsum(parts), top))
-    return sorted(found, key=lambda one: (-abs(one.elasticity or 0), one.name))
+        kind = "parameter" if name in shared else MISSION_TIME
+        found.append(_derivative(name, kind, float(value), math.fsum(parts), top))
+    return sorted(found, key=lambda one: (-abs(one.elasticity or 0), one.name, one.kind))
 
 
-def _derivative(name: str, value: float, slope: float, top: float) -> Derivative:
-    return Derivative(name, value, slope, value * slope / top if top else None)
+def _derivative(name: str, kind: str, value: float, slope: float, top: float) -> Derivative:
+    return Derivative(name, kind, value, slope, value * slope / top if top else None)
 
 
 def _timed(event: BasicEvent) -> Expression | None:
@@ -100,7 +104,8 @@ def tornado(
 ) -> list[Bar]:
     """The bars of all random variables between two quantiles and of the quantities in `ranges`, the widest first.
 
-    All cases are evaluated in one pass. Raises TreeError: an unknown name, a value out of range.
+    All cases are evaluated in one pass. Raises TreeError: an unknown or ambiguous name (see `quantity`), a value out of
+    range.
     """
     import numpy as np
 
@@ -109,9 +114,11 @@ def tornado(
     tree = solution.tree
     shared, random = parameters(tree), variables(tree)
     events = {event.name: i for i, event in enumerate(tree.events)}
-    for name in ranges:
-        if name not in shared and name not in events and name not in random:
-            raise unknown(name, tree)
+    chosen = {
+        name: ("variable", name) if name in random and name not in {*shared, *events} else quantity(name, tree)
+        for name in ranges
+    }
+    as_asked = {plain: name for name, (kind, plain) in chosen.items() if kind == "parameter"}
     names = [*(name for name in random if name not in ranges), *ranges]
     places = {name: slice(2 * n, 2 * n + 2) for n, name in enumerate(names)}
     ends = {name: tuple(float(exact(end, f'range of "{name}"')) for end in pair) for name, pair in ranges.items()}
@@ -130,11 +137,11 @@ def tornado(
         def parameter(self, parameter: Any) -> Any:
             """The cases of a parameter."""
             value = super().parameter(parameter)
-            return self._varied(parameter.name, value) if parameter.name in ranges else value
+            return self._varied(as_asked[parameter.name], value) if parameter.name in as_asked else value
 
         def exactly(self, expression: Expression) -> Fraction | None:
             """None for what is varied."""
-            return None if expression.parameters.keys() & ranges.keys() else super().exactly(expression)
+            return None if expression.parameters.keys() & as_asked.keys() else super().exactly(expression)
 
         def _varied(self, name: str, value: Any) -> Any:
             cases = np.full(2 * len(names), value) if np.ndim(value) == 0 else np.array(value)
@@ -142,9 +149,9 @@ def tornado(
             return cases
 
     columns: Columns = probabilities(tree, 2 * len(names), Cases)
-    for name in ranges:
-        if name not in shared and name in events:
-            columns.values[events[name], places[name]] = ends[name]
+    for name, (kind, plain) in chosen.items():
+        if kind == "event":
+            columns.values[events[plain], places[name]] = ends[name]
     top = solution.many(columns.values)
     bars = [Bar(name, *ends[name], *top[places[name]]) for name in names]
     return sorted(bars, key=lambda bar: (-bar.swing, bar.name))
@@ -163,10 +170,26 @@ def _expressions(tree: FaultTree) -> Iterator[Expression]:
     return (each for event in tree.events if event.expression is not None for each in event.expression.below())
 
 
-def unknown(name: str, tree: FaultTree) -> TreeError:
-    """The error that `name` is no quantity of the tree."""
-    known = sorted({*parameters(tree), *(event.name for event in tree.events)})
+def quantity(name: str, tree: FaultTree) -> tuple[str, str]:
+    """The kind, "parameter" or "event", and the plain name of the quantity `name`, before which its kind may stand.
+
+    Raises TreeError: there is none of the name, or one of each kind.
+    """
+    kinds = {"parameter": parameters(tree).keys(), "event": {event.name for event in tree.events}}
+    found = [(kind, name) for kind, names in kinds.items() if name in names]
+    if not found:
+        kind, _, plain = name.partition(":")
+        found = [(kind, plain)] if plain in kinds.get(kind, ()) else []
+    if len(found) > 1:
+        raise TreeError(
+            f'"{name}" is a parameter and a basic event of fault tree "{tree.name}"; write "parameter:{name}" or '
+            f'"event:{name}"',
+            name,
+        )
+    if found:
+        return found[0]
+    known = sorted(set().union(*kinds.values()))
     some = ", ".join(known[:8]) + ", ..." * (len(known) > 8)
-    return TreeError(
+    raise TreeError(
         f'"{name}" is neither a parameter nor a basic event of fault tree "{tree.name}", which has {some}', name
     )

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 
 BUDGETS = (20_000, 200_000, 2_000_000, 25_000_000)  # nodes; orders are tried with each before the next
 KEPT = (None, None, 6, 2)  # orders tried with each budget: those that got furthest with the one before, and the first
+SMALLEST = 5e-324  # the least positive double
 WIDE = 1e-13  # relative error of a chance that is carried as an interval
 FAMILY_BUDGET = 40_000_000  # nodes of the diagram of cut sets
 CHUNK = 2048  # samples evaluated at once, a multiple of the kernel's block
@@ -78,7 +79,7 @@ class Solution:
 
     @cached_property
     def bounds(self) -> tuple[float, float] | None:
-        """Doubles that enclose the probability, whatever the rounding in `probability` (not below 1e-300).
+        """Doubles that enclose the probability, whatever the rounding in `probability`.
 
         Nothing is subtracted, so relative errors add up along a path: per level half an ulp for the product, half for
         the sum, and the error of the event's own chance. An event of which only an interval is known has the chances
@@ -94,6 +95,9 @@ class Solution:
         low = high = self._chances.occurs[self.parts[-1].number]
         if wide:
             low, high = (self._top(self._ends(wide, side)) for side in (0, 1))
+        if self.nodes:  # what falls below the smallest doubles
+            slack = 4 * (self.nodes + levels) * SMALLEST
+            low, high = low - slack, high + slack
         return max(0.0, low * (1 - error)), min(1.0, high * (1 + error))
 
     def _ends(self, wide: set[int], side: int) -> tuple[array[float], array[float]]:
@@ -152,7 +156,7 @@ class Solution:
         top, occurs = self._chances.occurs[self.parts[-1].number], self._chances.occurs
         given = self._conditionals()
         return {
-            event.name: measures(event.name, occurs[i], top, *given.get(i, (top, top)))
+            event.name: measures(event.name, occurs[i], top, *given.get(i, (top, top, 0.0)))
             for i, event in enumerate(self.tree.events, 1)
             if not math.isnan(occurs[i])
         }
@@ -254,16 +258,31 @@ class Solution:
             edges.append((*levels, edge))
         return _Chances(occurs, fails, edges)
 
-    def _conditionals(self) -> dict[int, tuple[float, float]]:
-        """The chance of the top when an event or module is true, and when it is false: from the top module inwards."""
+    def _conditionals(self) -> dict[int, tuple[float, float, float]]:
+        """The chance of the top when an event or module is true, when it is false, and the difference of the two.
+
+        From the top module inwards; both sides of an inner module are worked out, so that nothing is subtracted.
+        """
         assert self._chances is not None
-        given: dict[int, tuple[float, float]] = {self.parts[-1].number: (1.0, 0.0)}
+        given = {self.parts[-1].number: (1.0, 0.0, 1.0)}
         for part, (occurs, fails, edge) in zip(reversed(self.parts), reversed(self._chances.edges), strict=True):
-            outer_true, outer_false = given[part.number]
-            when_true, when_false = (array("d", bytes(8 * len(part.order))) for _ in range(2))
-            part.diagram.conditionals(occurs, fails, edge, when_true, when_false)
-            for number, t, f in zip(part.order, when_true, when_false, strict=True):
-                given[number] = t * outer_true + (1 - t) * outer_false, f * outer_true + (1 - f) * outer_false
+            outer_true, outer_false, outer_slope = given[part.number]
+            diagram, levels = part.diagram, len(part.order)
+            sides = []
+            for root in (diagram.root, diagram.root ^ 1):
+                rows = [array("d", bytes(8 * levels)) for _ in range(3)]
+                diagram.conditionals(occurs, fails, edge, root, *rows)
+                sides.append(rows)
+                if part is self.parts[-1]:  # its opposite counts for nothing
+                    sides.append([array("d", bytes(8 * levels)) for _ in range(3)])
+                    break
+            (true, false, slope), (not_true, not_false, _) = sides
+            for v, number in enumerate(part.order):
+                given[number] = (
+                    true[v] * outer_true + not_true[v] * outer_false,
+                    false[v] * outer_true + not_false[v] * outer_false,
+                    slope[v] * outer_slope,
+                )
         return given
 
     @cached_property
@@ -273,7 +292,7 @@ class Solution:
             diagram = part.diagram
             family = deeply(
                 len(part.order),
-                lambda d=diagram: families.Family(d.level, d.high, d.low, d.root, FAMILY_BUDGET),  # type: ignore[misc]
+                lambda d=diagram: families.Family(d.level, d.high, d.low, d.root, FAMILY_BUDGET, _pulse),  # type: ignore[misc]
             )
             if family.full:
                 raise TooLarge(
@@ -301,6 +320,10 @@ class _Chunk(Record):
     samples: int
     width: int
     chance: array[float]
+
+
+def _pulse() -> None:
+    """Called by compiled code now and then: on the way here the interpreter looks at signals."""
 
 
 def _doubles(columns: Any) -> memoryview[float]:

@@ -100,7 +100,7 @@ class Study:
         """Those given, and those that expressions hold."""
         found = dict(self.parameters)
         parts = (self.ccf_groups, self.initiating_events, self.event_trees)
-        for expression in (*(event.expression for event in self.events), *_expressions(parts)):
+        for expression in (*(event.expression for event in self.events), *expressions_in(parts)):
             for name, parameter in expression.parameters.items() if expression is not None else ():
                 if found.setdefault(name, parameter) != parameter:
                     raise TreeError(
@@ -194,17 +194,17 @@ def _reached(tree: FaultTree) -> FaultTree:
     )
 
 
-def _expressions(part: object) -> Iterator[Expression]:
+def expressions_in(part: object) -> Iterator[Expression]:
     """Every expression in a part of a study."""
     if isinstance(part, tuple):
         for one in part:
-            yield from _expressions(one)
+            yield from expressions_in(one)
     elif hasattr(part, "as_given"):
         total, factors = part.as_given
-        yield from _expressions((total, *factors.values()))
+        yield from expressions_in((total, *factors.values()))
     elif is_dataclass(part):
         for one in fields(part):
-            yield from _expressions(getattr(part, one.name))
+            yield from expressions_in(getattr(part, one.name))
     elif hasattr(part, "arguments"):
         yield cast("Expression", part)
 

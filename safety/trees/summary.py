@@ -16,6 +16,8 @@ TYPE_CHECKING = False  # typing itself is not needed to start
 if TYPE_CHECKING:
     from typing import Any
 
+    from safety.trees.truncated import OfDiagram, Truncated
+
 EXACT_NODES = 20_000  # largest diagram whose exact rational is computed unasked
 EXACT_BITS = 13_000  # longest denominator written out, about 3,900 digits
 LISTED = 200  # minimal cut sets listed
@@ -37,6 +39,7 @@ def entry_of(
     listed: int = LISTED,
     likeliest: bool = False,
     exact_nodes: float = EXACT_NODES,
+    limited: Truncated | OfDiagram | None = None,
 ) -> dict[str, Any]:
     """The entry of a solved tree for the "trees" of a results document.
 
@@ -44,10 +47,10 @@ def entry_of(
     building its diagrams took. Probabilities that are not known are None; "exact" is the probability as "p/q" where all
     are rational, the diagram has at most `exact_nodes` nodes and the denominator at most EXACT_BITS bits. The
     probability lies between "probability_low" and "probability_high" whatever the rounding. `listed` cut sets are
-    listed, the smallest or the `likeliest`. Raises TooLarge.
+    listed, the smallest or the `likeliest`, of all or of those within limits (`limited`). Raises TooLarge.
     """
     started, tree = time.perf_counter(), solution.tree
-    _ = solution.probability, solution.counts
+    _ = solution.probability, limited or solution.counts
     solve_s += time.perf_counter() - started
     exact = solution.exact if solution.nodes <= exact_nodes else None
     probability, low, high = _enclosed(solution, exact)
@@ -65,7 +68,7 @@ def entry_of(
         "probability_low": low,
         "probability_high": high,
         "exact": None if exact is None or exact.denominator.bit_length() > EXACT_BITS else str(exact),
-        "minimal_cut_sets": cut_set_rows(solution, listed, likeliest),
+        "minimal_cut_sets": cut_set_rows(limited or solution, listed, likeliest),
         "importance": [plain(measures) | {"source": sources[measures.event]} for measures in importance],
         "structure": to_document(tree),
         "diagram_nodes": solution.nodes,
@@ -82,8 +85,11 @@ def _enclosed(solution: Solution, exact: Fraction | None) -> tuple[float | None,
     return nearest, low, nearest if nearest >= exact else math.nextafter(nearest, 1)
 
 
-def cut_set_rows(solution: Solution, listed: int, likeliest: bool = False) -> dict[str, Any]:
-    """Counts by order, and the smallest (or likeliest) sets with their probabilities; how many are left out is said."""
+def cut_set_rows(solution: Solution | Truncated | OfDiagram, listed: int, likeliest: bool = False) -> dict[str, Any]:
+    """Counts by order, and the smallest (or likeliest) sets with their probabilities; how many are left out is said.
+
+    Where there are limits, and sets beyond them, "limits" holds what the count is of.
+    """
     chances = {event.name: event.chance for event in solution.tree.events}
     if likeliest:
         sets = [one for _, one in itertools.islice(solution.likeliest_cut_sets(), listed)]
@@ -94,7 +100,10 @@ def cut_set_rows(solution: Solution, listed: int, likeliest: bool = False) -> di
         known = [chance[0] for name in cut_set if (chance := chances[name])]
         rows.append({"events": list(cut_set), "probability": math.prod(known) if len(known) == len(cut_set) else None})
     count = sum(solution.counts)
-    return {
+    limits = {}
+    if not isinstance(solution, Solution) and not solution.complete:
+        limits = {"limits": {"order": solution.order, "probability": solution.above}}
+    return limits | {
         "count": count,
         "by_order": {str(order): number for order, number in enumerate(solution.counts) if number},
         "sets": rows,

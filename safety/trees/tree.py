@@ -27,6 +27,7 @@ KINDS = ("and", "or", "vote", "not", "xor")
 TAGS = {"P": "printed", "D": "derived", "A": "assumed", "R": "reconstructed", "": "untagged"}
 LARGEST_EXPONENT = 400  # of ten, in a number as written; beyond any double, and small enough to compute with
 HALF_ULP = 2.0**-53  # the largest relative error of one rounding
+LARGEST = 10**150  # rate per hour or mission time; their product is still a double
 DISAGREEMENT = Fraction(1, 100)  # allowed between a probability and the rate beside it, as printed figures are rounded
 
 
@@ -90,6 +91,12 @@ class BasicEvent(Record):
                 expected = "between 0 and 1" if upper else "0 or more"
                 raise TreeError(
                     f'{quantity} of basic event "{self.name}" is {value}, expected {expected}; correct it', self.name
+                )
+            if number > LARGEST:
+                raise TreeError(
+                    f'{quantity} of basic event "{self.name}" is about 1e{len(str(int(number))) - 1}, expected at most '
+                    f"{float(LARGEST):.0e}, beyond which no double holds what follows from it; correct it",
+                    self.name,
                 )
             object.__setattr__(self, quantity, number)
         if self.source not in TAGS:
@@ -203,7 +210,7 @@ class BasicEvent(Record):
             return max(0.0, low), min(1.0, high)
         if self.chance is None:
             return 0.0, 1.0
-        value, error = self.chance[0], math.expm1(2 * self.chance_error)
+        value, error = self.chance[0], 8 * HALF_ULP  # of the 3 that `chance_error` tells for it
         return max(0.0, value * (1 - error)), min(1.0, value * (1 + error))
 
     @property
@@ -342,7 +349,7 @@ class FaultTree(Record):
         if not isinstance(self.nodes.get(self.top), Gate):
             raise TreeError(
                 f'fault tree "{self.name}" has no gate "{self.top}" to be its top; '
-                f"name one of its {len(self.gates)} gates"
+                + ("name one of its gates" if self.gates else "it has none; define it")
             )
 
     @cached_property

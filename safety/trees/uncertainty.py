@@ -29,7 +29,10 @@ from safety.trees.tree import TreeError
 LEVELS = (0.05, 0.25, 0.5, 0.75, 0.95)
 CONFIDENCE = 0.95
 BINS = 40
+HELD = 8  # columns of samples held besides those of the variables
 CHUNK = 20_000  # samples whose probabilities of all events are held at a time
+BYTES = 4e9  # of memory that the samples may take
+IMPORTANCE_BYTES = 64  # of it for each sample of each event
 MEASURES = ("birnbaum", "criticality", "diagnostic", "risk_achievement_worth")
 
 
@@ -146,7 +149,8 @@ def ranks(size: int, level: float, confidence: float) -> tuple[int, int]:
 def propagate(solution: Solution, plan: Plan | None = None) -> Uncertainty:
     """The distribution of the probability of the top event.
 
-    Raises TreeError: no distribution in the tree, or what `sampling.probabilities` raises.
+    Raises TreeError: no distribution in the tree, samples that take more than BYTES, or what `sampling.probabilities`
+    raises.
     """
     plan = plan or Plan()
     names, chunks = _columns(solution, plan, CHUNK)
@@ -157,31 +161,39 @@ def propagate(solution: Solution, plan: Plan | None = None) -> Uncertainty:
     return Uncertainty(values, plan.blocks * plan.hypercube, 0.0, 1.0, plan, names, dict(outside))
 
 
-def propagate_importance(solution: Solution, plan: Plan | None = None) -> dict[str, dict[str, Spread]]:
+def propagate_importance(solution: Solution, plan: Plan | None = None) -> dict[str, dict[str, Spread | str]]:
     """For each basic event the distributions of MEASURES (see `importance`), over the same samples.
 
-    The Fussell-Vesely importance is the criticality, and the risk reduction worth 1 / (1 - criticality). Samples in
-    which the top event is impossible leave all but Birnbaum's without meaning and are refused. Takes some 50 bytes for
-    each sample of each event. Raises TreeError.
+    The Fussell-Vesely importance is the criticality, and the risk reduction worth 1 / (1 - criticality). Where there is
+    no distribution, the reason stands in its place: samples in which the top event is impossible leave all but
+    Birnbaum's without meaning. Takes some IMPORTANCE_BYTES for each sample of each event; beyond BYTES of them nothing
+    is computed. Raises TreeError.
     """
     plan = plan or Plan()
-    _, chunks = _columns(solution, plan, plan.samples)
+    names, chunks = _columns(solution, plan, plan.samples)
+    if (needed := plan.samples * (len(solution.events) * IMPORTANCE_BYTES + 8 * len(names))) > BYTES:
+        why = (
+            f"{plan.samples} samples of {len(solution.events)} events take {needed / 1e9:.3g} GB, more than the "
+            f"{BYTES / 1e9:g} GB allowed; take fewer samples"
+        )
+        return {name: dict.fromkeys(MEASURES, why) for name in solution.events}
     ((_, columns),) = chunks
     top = np.array(solution.many(columns.values))
+    why = ""
     if not top.all():
-        raise TreeError(
-            f"the top event is impossible in {int((top == 0).sum())} of {plan.samples} samples, which leaves the "
-            "importance without meaning; correct the distributions"
+        why = (
+            f"the top event is impossible in {int((top == 0).sum())} of {plan.samples} samples, which leaves this "
+            "without meaning; correct the distributions"
         )
     slopes = np.array(solution.many_derivatives(columns.values)).reshape(columns.values.shape)
-    result = {}
+    blocks = plan.blocks * plan.hypercube
+    result: dict[str, dict[str, Spread | str]] = {}
     for name, q, slope in zip(solution.events, columns.values, slopes, strict=True):
-        worth = 1 + (1 - q) * slope / top
-        figures = (slope, q * slope / top, q * worth, worth)
-        result[name] = {
-            measure: Spread(values, plan.blocks * plan.hypercube)
-            for measure, values in zip(MEASURES, figures, strict=True)
-        }
+        result[name] = dict.fromkeys(MEASURES, why) | {"birnbaum": Spread(slope, blocks)}
+        if not why:
+            worth = 1 + (1 - q) * slope / top
+            figures = (slope, q * slope / top, q * worth, worth)
+            result[name] = {measure: Spread(values, blocks) for measure, values in zip(MEASURES, figures, strict=True)}
     return result
 
 
@@ -192,6 +204,11 @@ def _columns(solution: Solution, plan: Plan, size: int) -> tuple[tuple[str, ...]
         raise TreeError(
             f'fault tree "{solution.tree.name}" holds no distribution, so nothing is uncertain; give a parameter or a '
             "basic event one, such as a lognormal-deviate"
+        )
+    if (needed := 8 * plan.samples * (len(names) + HELD)) > BYTES:
+        raise TreeError(
+            f"{plan.samples} samples of {len(names)} random variables take {needed / 1e9:.3g} GB, expected at most "
+            f"{BYTES / 1e9:g} GB, which is {int(BYTES / 8 / (len(names) + HELD))} samples; take fewer"
         )
     uniforms = plan.uniforms(names)
 
@@ -224,20 +241,31 @@ def fields(found: Uncertainty, levels: Sequence[float] = LEVELS, confidence: flo
 
 
 def importance_fields(
-    found: Mapping[str, Mapping[str, Spread]], levels: Sequence[float] = (0.05, 0.5, 0.95)
+    found: Mapping[str, Mapping[str, Spread | str]], levels: Sequence[float] = (0.05, 0.5, 0.95)
 ) -> list[dict[str, Any]]:
-    """The same for what `propagate_importance` gives, the event of the largest mean criticality first."""
-    ranked = sorted(found.items(), key=lambda pair: (-pair[1]["criticality"].mean, pair[0]))
-    return [
-        {"event": name}
-        | {
-            measure: {
-                "mean": spread.mean,
-                "standard_error": spread.standard_error,
-                "standard_deviation": spread.standard_deviation,
-                "quantiles": [asdict(spread.quantile(level)) for level in levels],
-            }
-            for measure, spread in measures.items()
-        }
-        for name, measures in ranked
-    ]
+    """The same for what `propagate_importance` gives, the event of the largest mean importance first.
+
+    Ranked by the criticality, or by Birnbaum's where the former is not known. A measure that is not known is None, and
+    "why_not" tells why.
+    """
+    rows = []
+    for name, measures in sorted(found.items(), key=lambda pair: (-_mean(pair[1]), pair[0])):
+        row: dict[str, Any] = {"event": name}
+        for measure, spread in measures.items():
+            row |= {measure: None, "why_not": spread} if isinstance(spread, str) else {measure: _spread(spread, levels)}
+        rows.append(row)
+    return rows
+
+
+def _mean(measures: Mapping[str, Spread | str]) -> float:
+    known = (each.mean for each in (measures["criticality"], measures["birnbaum"]) if not isinstance(each, str))
+    return next(known, 0.0)
+
+
+def _spread(spread: Spread, levels: Sequence[float]) -> dict[str, Any]:
+    return {
+        "mean": spread.mean,
+        "standard_error": spread.standard_error,
+        "standard_deviation": spread.standard_deviation,
+        "quantiles": [asdict(spread.quantile(level)) for level in levels],
+    }

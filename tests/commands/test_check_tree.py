@@ -21,7 +21,7 @@ def certificate(tmp_path: Path) -> Path:
 def test_a_tree_is_checked_and_what_it_certifies_is_said(run: Run, certificate: Path) -> None:
     called = run("check", str(certificate), "--json", "-")
     assert called.code == 0
-    assert "pair: fault tree, 1 minimal cut sets" in called.err
+    assert "pair: fault tree, 1 minimal cut set" in called.err
     assert called.err.rstrip().endswith("pair.json: checked")
     (report,) = json.loads(called.out)["certificates"]
     assert report["verdict"] == "checked" and report["cut_sets_by_order"] == [0, 0, 1]

@@ -19,7 +19,7 @@ TREE = {
 def test_the_tree_of_a_hazard(run: Run, whole: Path) -> None:
     called = run("tree", "--json", "out.json", "--svg", "tree.svg")
     assert called.code == 0, called.err
-    assert "1 minimal cut sets: 1 of order 1" in called.out
+    assert "1 minimal cut set: 1 of order 1" in called.out
     assert "complete at all orders over the 2 listed faults; 1 confirmed by a run, 0 candidates" in called.out
     assert "Q = 1 - exp(-rate x hours)" in called.out
     assert re.search(r"\nprobability 9\S+ × 10⁻⁴ \[A\], enclosed", called.out)
@@ -64,7 +64,7 @@ def test_a_tree_file_needs_no_project(run: Run, project: Path, tmp_path_factory:
     [
         (["none.json"], "none.json"),
         (["t.json"], "no mission time"),
-        (["t.json", "--hours", "x"], "mission_time_h"),
+        (["t.json", "--hours", "x"], "--hours is 'x'"),
         (["t.json", "-k", "x"], "-k"),
         (["--hours", "3"], "give a FILE"),
         (["bad.json"], "bad.json:1"),

@@ -56,7 +56,7 @@ def expansion(tree):
             if event.probability is not None:
                 factor = {Fraction(0): event.probability if failed else 1 - event.probability}
             elif failed:
-                factor = {Fraction(0): Fraction(1), event.rate_per_hour: Fraction(-1)}
+                factor = {Fraction(0): Fraction(1), event.rate_per_hour: Fraction(-1)} if event.rate_per_hour else {}
             else:
                 factor = {event.rate_per_hour: Fraction(1)}
             new = {}

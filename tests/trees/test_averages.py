@@ -226,3 +226,11 @@ def test_published_frequencies_of_two_of_three():
         found = averages(Mission(replace(tree, gates=gates)))
         assert found.method == "certified quadrature"
         assert sum(found.frequency) / 2 == pytest.approx(float(row["PFH_Markov"]), rel=5e-3)
+
+
+def test_a_long_fraction_is_not_written_out():
+    events = [BasicEvent(f"e{n}", Fraction(10**16 + n, 10**18)) for n in range(400)]
+    tree = FaultTree("t", "top", (Gate("top", "or", [event.name for event in events]),), events)
+    found = averages(Mission(tree))
+    assert found.exact == 1 - math.prod(1 - event.probability for event in events)
+    assert found.plain()["pfd_avg"]["exact"] is None and inside(found.exact, found.unavailability)

@@ -8,6 +8,7 @@ import random
 import re
 import shutil
 import subprocess
+from decimal import Decimal, localcontext
 from fractions import Fraction
 from pathlib import Path
 
@@ -141,6 +142,41 @@ def test_at_the_instant_of_a_test_the_value_is_that_before_it(tau: object, time:
     assert law.value(time) == pytest.approx(before, rel=1e-9)  # type: ignore[arg-type]
     low, high = law.enclosure(time)  # type: ignore[arg-type]
     assert low <= law.value(time) <= high <= low * (1 + 1e-9)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(("rate", "repair"), [("1", "1e-9"), ("1e-9", "1"), ("2", "1"), ("1", "1")])
+def test_rates_far_apart_from_each_other_and_from_the_interval(rate: str, repair: str) -> None:
+    """Against the recursion in decimals of 2000 digits, where nothing overflows or cancels."""
+    q, r, tau, time = Decimal(rate), Decimal(repair), Decimal(1000), Decimal(8760)
+    with localcontext() as context:
+        context.prec, context.Emin = 2000, -(10**9)
+
+        def run(state: tuple[Decimal, Decimal, Decimal], hours: Decimal) -> tuple[Decimal, Decimal, Decimal]:
+            up, failed, repair = state
+            stays, still = (-q * hours).exp(), (-r * hours).exp()
+            back = repair * (r * hours * stays if q == r else r * (stays - still) / (r - q))
+            return up * stays + back, failed + up * (1 - stays) + repair - still * repair - back, still * repair
+
+        state = (Decimal(1), Decimal(0), Decimal(0))
+        begun = 9  # at 0, 1000, ..., 8000
+        for n in range(begun):
+            up, failed, mended = state
+            state = run((up, Decimal(0), mended + failed), tau if n < begun - 1 else time - 1000 * (begun - 1))
+        down = state[1] + state[2]
+    law = PeriodicTest(rate, repair, 1000, 0, MissionTime())
+    assert law.value(8760) == pytest.approx(float(down), rel=1e-14)
+    low, high = law.enclosure(8760)
+    assert low <= down <= high <= low + 1e-8
+    assert math.isfinite(PeriodicTest(Parameter("q", rate), repair, 1000, 0, 8760).derivative("q"))
+
+
+def test_tests_at_uncertain_times_are_counted_alike_in_rationals_and_doubles() -> None:
+    """At the instant of the third test, after two that each make a tenth of the good parts fail for good."""
+    from safety.trees.distributions import Uniform
+
+    law = PeriodicTest(0, 0, 0, Uniform(40, 60), 0, "0.1", 0, 1, 0, 0, MissionTime())
+    assert law.exact(100) == Fraction(19, 100) and law.value(100) == pytest.approx(0.19, rel=1e-15)
+    assert law.exact(101) == Fraction(271, 1000)
 
 
 def test_uncertain_test_times_leave_the_interval_open() -> None:

@@ -13,6 +13,7 @@ from safety.rates.markov import Chain
 from safety.rates.numeric import transient
 from safety.trees import BasicEvent, FaultTree, Gate, TreeError
 from safety.trees.averages import averages
+from safety.trees.behaviour import UnknownFrequency
 from safety.trees.lifetimes import Exponential, Glm, PeriodicTest
 from safety.trees.mission import Mission
 from tests.trees.other_tools import SCRAM
@@ -150,3 +151,51 @@ def test_what_cannot_be_asked():
         Mission(replace(tree, events=(BasicEvent("a"),)), 1)
     with pytest.raises(TreeError, match="more than 20000 tests; take a shorter one"):
         averages(Mission(voted(1, [PeriodicTest(L, 1, 1, T)], 200_000)))
+
+
+@pytest.mark.parametrize(
+    ("event", "why"),
+    [
+        (BasicEvent("a", rate_per_hour=L, mission_time_h=10), "its exposure time of its own, 10 h"),
+        (BasicEvent("a", expression=T * L, mission_time_h=10), "its exposure time of its own, 10 h"),
+        (BasicEvent("a", expression=Exponential(L, 10)), "its <exponential> is of a fixed time"),
+        (BasicEvent("a", "0.1", L), "it has a probability beside its rate"),
+    ],
+)
+def test_no_frequency_where_an_exposure_is_not_the_missions(event, why):
+    for others in ((), (BasicEvent("b", rate_per_hour=L),)):
+        names = ("a", *(other.name for other in others))
+        # with a time the probability of which agrees with its rate
+        hours = 1053.6 if event.probability is not None else 1000
+        gates = (Gate("top", "or", names), Gate("apart", "or", ("c", *names)))
+        events = (event, *others, BasicEvent("c", rate_per_hour=L, mission_time_h=1))
+        tree = FaultTree("t", "top", gates, events, mission_time_h=hours)
+        found, curve = averages(Mission(tree)), Mission(tree).curve(2)
+        assert found.frequency is found.high_demand is curve.frequency is found.unreliability is None
+        assert found.unknown.startswith(f'"a": {why}') and curve.unknown == found.unknown
+        assert found.unavailability.high > 1e-3 / 2
+        with pytest.raises(UnknownFrequency, match='"c"'):
+            Mission(replace(tree, top="apart", events=(BasicEvent("a", "0.1"), *events[1:]))).occurrences([])
+
+
+def test_repairs_that_balance_failures_leave_failures():
+    found = averages(Mission(voted(1, [Glm("1/2", L, L, T)])))
+    assert found.unavailability.low <= 0.5 <= found.unavailability.high
+    assert found.frequency.low <= 0.5e-4 <= found.frequency.high < 0.6e-4
+
+
+@pytest.mark.parametrize("time", ["1e400", "1e-400", "1e120", "1e-120"])
+def test_times_beyond_all_doubles(time):
+    with pytest.raises(
+        TreeError, match=f"the mission time is {time.replace('e1', 'e.1').replace('e4', 'e.4')}, expected"
+    ):
+        Mission(voted(1, [Exponential(L, T)]), time)
+    with pytest.raises(TreeError, match="a time of the curve is 1e.*, expected 0 or a number from 1e-100"):
+        Mission(voted(1, [Exponential(L, T)]), 100).curve([time])
+
+
+def test_a_slow_repair_after_a_test_does_not_overflow():
+    """At first it fails, soon for good: the integral of 1 - exp(-t) over 5000 h."""
+    found = averages(Mission(voted(1, [PeriodicTest(1, "1e-9", 1000, 1000, T)], 5000)))
+    assert sum(found.unavailability) / 2 == pytest.approx(1 - 1 / 5000, rel=1e-8)
+    assert sum(found.expected_failures) / 2 == pytest.approx(1, rel=1e-5)

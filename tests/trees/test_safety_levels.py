@@ -6,8 +6,11 @@ import pytest
 
 from safety.trees import BasicEvent, FaultTree, Gate
 from safety.trees.averages import averages
+from safety.trees.expressions import Operation
+from safety.trees.lifetimes import Exponential, Glm
 from safety.trees.mission import Mission
 from safety.trees.safety_levels import UPPER_END, level
+from tests.trees.over_time import L, T
 
 NEXT = Fraction(1, 10**40)  # far closer than a double can tell
 
@@ -58,3 +61,42 @@ def test_a_rate_is_decided_by_its_bounds():
     assert found.low_demand.decided == 3
     plain = found.plain()
     assert plain["sil_high_demand"]["sil"] == 3 and plain["method"] == "certified quadrature"
+
+
+def over(law, time, gate="or"):
+    events = (BasicEvent("a", expression=law),)
+    return averages(Mission(FaultTree("t", "top", (Gate("top", gate, ("a",)),), events, mission_time_h=time)))
+
+
+@pytest.mark.parametrize(
+    ("law", "time", "gate"),
+    [
+        (Exponential(L, T), 10**12, "or"),  # failed long ago
+        (Glm("0.999", "1e-8", 0, T), 1000, "or"),  # failed at first
+        (Exponential(L, T), 1000, "not"),  # holds until a fails
+        (Exponential("2.15e-10", T), 10**9, "or"),  # PFDavg just above 0.1
+    ],
+)
+def test_no_level_from_the_frequency_of_what_is_mostly_down(law, time, gate):
+    found = over(law, time, gate)
+    assert found.unavailability.low > 0.1
+    assert level("high demand", *found.frequency).decided == 4  # what must not be said
+    high_demand = found.plain()["sil_high_demand"]
+    assert high_demand["sil"] == high_demand["sil_at_least"] == 0 == found.low_demand.decided
+    assert "of the time on the average, 0.1 or more" in high_demand["why_none"]
+    assert "limit" not in high_demand and "beyond" not in high_demand
+
+
+def test_a_level_where_it_is_mostly_up():
+    found = over(Exponential("2.05e-10", T), 10**9)  # PFDavg just below 0.1
+    assert 0.09 < found.unavailability.high < 0.1 and found.high_demand.decided == 4
+    assert "why_none" not in found.plain()["sil_high_demand"]
+
+
+def test_no_level_where_a_share_of_a_probability_is_used_up():
+    """A hundredth of what is sure to have failed: PFDavg is 0.01, but nothing more fails."""
+    law = Operation("mul", Fraction(1, 100), Exponential(L, T))
+    assert over(law, 500).high_demand.decided == 2
+    found = over(law, 10**8)
+    assert found.unavailability.high < 0.011 and level("high demand", *found.frequency).decided == 4
+    assert found.high_demand.decided == 0 and '"a" has 0.01 times the probability' in found.high_demand.why_none

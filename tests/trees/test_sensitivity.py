@@ -141,7 +141,13 @@ def test_tornado_bars_are_trees_solved_anew() -> None:
 
 def test_the_fields_of_a_results_document() -> None:
     plain, uncertain = fields(solve(bridge())), fields(solve(rational()))
-    assert plain["tornado"] == [] and plain["derivatives"][0].keys() == {"name", "value", "derivative", "elasticity"}
+    assert plain["tornado"] == [] and set(plain["derivatives"][0]) == {
+        "name",
+        "kind",
+        "value",
+        "derivative",
+        "elasticity",
+    }
     assert [bar["name"] for bar in uncertain["tornado"]] == ["c/2"]
     assert [bar["name"] for bar in fields(solve(bridge()), {"p": (0, 1)})["tornado"]] == ["p"]
 
@@ -221,7 +227,10 @@ def test_a_target_for_an_irrational_tree() -> None:
             '"x" is neither a parameter nor a basic event .* a, b, c, d, p, q',
         ),
         (lambda: meets(solve(rational()), "d", "1.5"), "expected a probability between 0 and 1"),
-        (lambda: meets(solve(rational()), "d", "0.999"), 'no value of "d" brings the top event to 0.999'),
+        (
+            lambda: meets(solve(rational()), "d", "0.999"),
+            'no value of "d" was found that brings the top event to 0.999',
+        ),
         (lambda: meets(solve(rational()), "d", "1e-9"), "stays above the target"),
         (lambda: tornado(solve(rational()), {"x": (0, 1)}), '"x" is neither'),
         (lambda: tornado(solve(rational()), {"d": (0, 2)}), "2.0"),
@@ -230,3 +239,90 @@ def test_a_target_for_an_irrational_tree() -> None:
 def test_questions_without_an_answer_are_refused(run: Callable[[], object], message: str) -> None:
     with pytest.raises(TreeError, match=message):
         run()
+
+
+def one(kind: str, *events: BasicEvent, time: int | None = None) -> FaultTree:
+    """One gate over the events."""
+    gate = Gate("top", kind, tuple(event.name for event in events))
+    return FaultTree("t", "top", (gate,), events, mission_time_h=None if time is None else Fraction(time))
+
+
+def test_a_leap_over_the_target_is_told_from_a_crossing() -> None:
+    interval = Parameter("T", 700)
+    law = PeriodicTest("1e-5", interval, interval, MissionTime())
+    leap = meets(solve(one("or", BasicEvent("a", expression=law), time=8760)), "T", "1e-3")
+    assert leap.jump and min(leap.top_low, leap.top_high) < 1e-10 and max(leap.top_low, leap.top_high) > 4e-3
+    assert not meets(solve(bridge()), "rate", "1e-3").jump
+
+
+@pytest.mark.parametrize("beta", ["0.1", "0"])
+def test_a_target_met_at_the_end_of_the_range_is_found_there(beta: str) -> None:
+    """At beta = 0 two parts fail together with q squared."""
+    share, q, others = Parameter("beta", beta), Parameter("q", "1e-3"), Parameter("one", 1)
+    single = (others - share) * q
+    events = (
+        BasicEvent("common", expression=share * q),
+        BasicEvent("b", expression=single),
+        BasicEvent("c", expression=single),
+    )
+    gates = (Gate("top", "or", ("common", "both")), Gate("both", "and", ("b", "c")))
+    found = meets(solve(FaultTree("t", "top", gates, events)), "beta", "1e-6")
+    assert (found.low, found.high, found.exact, found.others_possible) == (0, 0, True, True)
+
+
+def test_a_target_at_the_end_of_the_range_of_an_event() -> None:
+    events = [BasicEvent(name, Fraction("0.1")) for name in "abc"]
+    none, all_of = (meets(solve(one("and", *events)), "a", target) for target in (0, "0.01"))
+    assert (none.low, none.high, none.exact, none.others_possible) == (0, 0, True, False)
+    assert none.top_low == none.top_high == 0
+    assert (all_of.low, all_of.high) == (1, 1)
+
+
+def test_a_target_that_holds_already_is_met_at_the_present_value() -> None:
+    """An exclusive or with a fair coin is fair whatever the other input."""
+    tree = one("xor", BasicEvent("a", Fraction("0.3")), BasicEvent("b", Fraction("0.5")))
+    found = meets(solve(tree), "a", "0.5")
+    assert found.low == found.high == 0.3 and found.exact and found.others_possible
+    assert not meets(solve(tree), "b", "0.3").others_possible
+
+
+def test_a_target_met_twice_says_that_there_may_be_others() -> None:
+    p = Parameter("p", "0.3")
+    gates = (Gate("top", "and", ("a", "not b")), Gate("not b", "not", ("b",)))
+    events = (BasicEvent("a", expression=p), BasicEvent("b", expression=p))
+    found = meets(solve(FaultTree("t", "top", gates, events)), "p", "0.2")  # p (1 - p): at 0.2764 and 0.7236
+    assert found.high < 0.3 and found.others_possible
+    assert meets(solve(one("or", *events)), "p", "0.2").others_possible  # a polynomial: not known to be monotone
+    alone = one("and", BasicEvent("a", expression=p), BasicEvent("b", Fraction("0.5")))
+    assert not meets(solve(alone), "p", "0.2").others_possible
+
+
+def test_the_search_for_an_event_with_a_rate_starts_at_its_present_probability() -> None:
+    """Seen by a target that holds already: nothing else than the present value is tried."""
+    event = BasicEvent("a", rate_per_hour=Fraction("1e-3"))
+    solution = solve(one("or", event, time=100))
+    chance = solution.tree.events[0].chance
+    assert chance is not None
+    found = meets(solution, "a", Fraction(chance[0]))
+    assert found.low == found.high == chance[0]
+
+
+def test_one_name_for_a_parameter_and_an_event() -> None:
+    b = Parameter("b", "0.1")
+    solution = solve(one("or", BasicEvent("a", expression=b), BasicEvent("b", Fraction("0.25"))))
+    found = {(each.name, each.kind): each for each in derivatives(solution)}
+    assert {key: each.derivative for key, each in found.items()} == pytest.approx(
+        {("b", "parameter"): 0.75, ("a", "event"): 0.75, ("b", "event"): 0.9}
+    )
+    assert found["b", "event"].value == 0.25 and found["b", "parameter"].value == 0.1
+    for run in (lambda: meets(solution, "b", "0.3"), lambda: tornado(solution, {"b": (0, 1)})):
+        with pytest.raises(TreeError, match='write "parameter:b" or "event:b"'):
+            run()
+    as_event, as_parameter = (meets(solution, f"{kind}:b", "0.28") for kind in ("event", "parameter"))
+    assert as_event.kind == "event" and as_event.low == pytest.approx(0.2)  # 1 - 0.9 (1 - b)
+    assert as_parameter.kind == "parameter" and as_parameter.low == pytest.approx(0.04)  # 1 - 0.75 (1 - b)
+    bars = {bar.name: bar for bar in tornado(solution, {"event:b": (0, 1), "parameter:b": (0, "0.5")})}
+    assert (bars["event:b"].top_low, bars["event:b"].top_high) == pytest.approx((0.1, 1))
+    assert (bars["parameter:b"].top_low, bars["parameter:b"].top_high) == pytest.approx((0.25, 0.625))
+    with pytest.raises(TreeError, match='"event:c" is neither'):
+        meets(solution, "event:c", "0.3")

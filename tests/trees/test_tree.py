@@ -31,7 +31,7 @@ REFUSED = {
         lambda: tree(Gate("top", "or", ("a",)), Gate("a", "or", ("b",))),
         r'"a" is defined 2 times .*; rename',
     ),
-    "no top": (lambda: tree(Gate("x", "or", ("a",))), r'no gate "top" to be its top; name one of its 1 gates'),
+    "no top": (lambda: tree(Gate("x", "or", ("a",))), r'no gate "top" to be its top; name one of its gates'),
     "top is an event": (lambda: tree(Gate("x", "or", ("a",)), top="a"), r'no gate "a" to be its top'),
     "k too large": (
         lambda: Gate("v", "vote", ("a", "b"), 3),
@@ -51,6 +51,14 @@ REFUSED = {
     "negative rate": (
         lambda: BasicEvent("a", rate_per_hour=-1),
         r'rate_per_hour of basic event "a" is -1, expected 0 or more',
+    ),
+    "rate beyond doubles": (
+        lambda: BasicEvent("a", rate_per_hour="1e400"),
+        r'rate_per_hour of basic event "a" is about 1e400, expected at most 1e\+150',
+    ),
+    "time beyond doubles": (
+        lambda: tree(Gate("top", "or", ("a",)), events=(BasicEvent("a", rate_per_hour=1),), mission_time_h="1e151"),
+        r'mission_time_h of basic event "a" is about 1e151, expected at most 1e\+150',
     ),
     "no number": (lambda: BasicEvent("a", "often"), r"is 'often', expected a number such as 0.01"),
     "not finite": (lambda: BasicEvent("a", float("nan")), r"is 'nan', expected a number"),
@@ -81,6 +89,12 @@ def test_numbers_are_kept_as_written():
 def test_a_printed_probability_may_stand_beside_the_rate_it_was_rounded_from():
     event = BasicEvent("a", "1.0e-3", "1e-6", 1000, source="P")
     assert event.chance == (1e-3, 0.999)
+
+
+def test_the_largest_rate_and_time_have_a_probability():
+    event = BasicEvent("a", rate_per_hour="1e150", mission_time_h="1e150")
+    assert event.chance == (1, 0)
+    assert 1 - 1e-12 < event.enclosure[0] <= event.enclosure[1] == 1
 
 
 def test_the_mission_time_of_the_tree_is_for_events_without_their_own():

@@ -271,12 +271,59 @@ def test_the_fields_of_importance_rank_the_events() -> None:
     assert 0.8 < low < middle < high < 0.9  # 1 - q1
 
 
+def test_samples_with_an_impossible_top_leave_out_the_importance_without_meaning() -> None:
+    solution = solved("and", Normal("0.01", "0.01"), Uniform("0.9", 1))
+    plan = Plan(1000)
+    found = propagate(solution, plan)
+    assert fields(found)["set_to_range"] == {"e1": int((found.values == 0).sum())} != {"e1": 0}
+    rows = importance_fields(propagate_importance(solution, plan))
+    assert [row["event"] for row in rows] == ["e1", "e2"]  # by Birnbaum's
+    for row in rows:
+        assert row["birnbaum"]["mean"] > 0
+        assert [row[measure] for measure in MEASURES[1:]] == [None] * 3
+        assert f"impossible in {found.outside['e1']} of 1000 samples" in row["why_not"]
+
+
+def test_importance_that_takes_too_much_memory_is_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
+    solution = solved("or", Uniform("0.1", "0.2"), "0.3")
+    monkeypatch.setattr("safety.trees.uncertainty.BYTES", 1e5)
+    assert importance_fields(propagate_importance(solution, Plan(500)))[0]["criticality"]["mean"] > 0
+    (row, _) = importance_fields(propagate_importance(solution, Plan(1000)))
+    assert row["birnbaum"] is None and "1000 samples of 2 events take 0.000136 GB" in row["why_not"]
+    assert propagate(solution, Plan(1000)).values.size == 1000
+    with pytest.raises(TreeError, match="which is 1388 samples; take fewer"):
+        propagate(solution, Plan(2000))
+
+
+def test_an_uncertain_test_interval_is_solved_at_its_mean_and_sampled() -> None:
+    """By quadrature: the value at each interval of the range, which jumps wherever the number of tests changes."""
+    law = PeriodicTest("1e-3", Uniform(500, 900), 0, MissionTime())
+    solution = solved("or", law, time=1000)
+    assert solution.probability == PeriodicTest("1e-3", 700, 0, 1000).value()
+    grid = [500 + 400 * (n + 0.5) / 2000 for n in range(2000)]
+    mean = math.fsum(PeriodicTest("1e-3", x, 0, 1000).value() for x in grid) / len(grid)
+    found = propagate(solution, Plan(N))
+    assert abs(found.mean - mean) < 4 * found.standard_error
+
+
+@pytest.mark.parametrize("wrong", [math.nan, -1e-300, 1.0000001])
+@pytest.mark.parametrize("place", [0, 1, 6])
+def test_a_sample_out_of_range_is_named(wrong: float, place: int) -> None:
+    columns = np.full((2, 7), 0.5)
+    columns[1, place] = wrong
+    with pytest.raises(TreeError, match=f'sample {place} gives basic event "e2" the probability'):
+        solved("or", "0.1", "0.2").many(columns)
+
+
 @pytest.mark.parametrize(
     ("run", "message"),
     [
         (lambda: propagate(solved("or", "0.1")), "holds no distribution"),
         (lambda: propagate(solved("or", Exponential(Normal("1e-3", "1e-3"), 10))), "in .* samples, expected 0 or more"),
-        (lambda: propagate_importance(solved("and", Uniform(0, 1), "0")), "impossible in 10000 of 10000 samples"),
+        (
+            lambda: propagate(solved("or", Uniform(0, 1)), Plan(10**12)),
+            "7.2e.04 GB, expected at most 4 GB, .* 55555555",
+        ),
         (lambda: propagate(solved("or", Operation("sqrt", Uniform("-0.1", "0.5")))), "has no value in .* of 10000"),
         (lambda: Spread(np.ones(3)).quantile(1.0), "expected both between 0 and 1"),
         (

@@ -239,6 +239,11 @@ class Builder:
         edge: cython.int
         level: cython.int
         result: cython.int
+        flip: cython.int = 0
+        if kind == VOTE and 2 * k > count + 1:  # at least k occur: not so many of the opposites
+            flip, k = 1, count - k + 1
+            for i in range(count):
+                edges[i] ^= 1
         for i in range(1, count):  # the deepest first: the smallest diagrams in between
             edge = edges[i]
             level = self.node[4 * cython.cast(cython.longlong, edge >> 1)]
@@ -259,7 +264,7 @@ class Builder:
                     if result < 0:
                         return -1
                     counts[j] = result
-            return counts[k]
+            return counts[k] ^ flip
         result = 0 if kind == AND else 1
         for i in range(count):
             if kind == AND:

@@ -55,32 +55,43 @@ class Diagram:
         occurs: cython.double[::1],
         fails: cython.double[::1],
         chance: cython.double[::1],
+        root: cython.int,
         when_true: cython.double[::1],
         when_false: cython.double[::1],
+        slope: cython.double[::1],
     ):
-        """Fill in, by level, the chance of the root when a variable is true and when it is false, in one pass down.
+        """Fill in, by level, the chance of `root` when a variable is true and when it is false, in one pass down; and
+        `slope`, the difference of the two, of which every part is taken where it loses no digits.
 
-        `chance` is what `chances` left.  Sums of products only, so that what cannot happen comes out as zero itself.
+        `root` is that of the diagram or its opposite, `chance` what `chances` left.  The first two are sums of products
+        only, so that what cannot happen comes out as zero itself.
         """
         i: cython.int
         e: cython.int
         v: cython.int
         side: cython.int
         child: cython.int
+        h: cython.int
+        l: cython.int
         arrives: cython.double
         levels: cython.int = self.level[0]
         reach: cython.double[::1] = array("d", bytes(16 * self.nodes))
         skipping: cython.double[::1] = array(
             "d", bytes(16 * max(levels, 1))
         )  # sums over ranges of levels without a node
-        self.skip(skipping, 0, self.level[self.root >> 1], chance[self.root])
-        reach[self.root] = 1.0
+        self.skip(skipping, 0, self.level[root >> 1], chance[root])
+        reach[root] = 1.0
         for i in range(self.nodes - 1, 0, -1):
             v = self.level[i]
             for side in range(2):
                 e = 2 * i + side
                 arrives = reach[e]
                 if arrives > 0.0:
+                    h, l = self.high[i] ^ side, self.low[i] ^ side
+                    if chance[h] + chance[l] < 1.0:
+                        slope[v] += arrives * (chance[h] - chance[l])
+                    else:
+                        slope[v] += arrives * (chance[l ^ 1] - chance[h ^ 1])
                     child = self.high[i] ^ side
                     when_true[v] += arrives * chance[child]
                     reach[child] += arrives * occurs[v]
@@ -222,14 +233,24 @@ def load(
     """
     c: cython.longlong
     s: cython.longlong
+    source: cython.longlong
+    occurs: cython.longlong
+    wrong: cython.longlong
     value: cython.double
     for c in range(len(rows)):
-        for s in range(width):
-            value = columns[c * total + first + min(s, count - 1)]
-            if not 0.0 <= value <= 1.0:
-                return c, first + s
-            chance[2 * width * rows[c] + s] = value
-            chance[2 * width * rows[c] + width + s] = 1.0 - value
+        source, occurs, wrong = c * total + first, 2 * width * rows[c], 0
+        for s in range(count):
+            value = columns[source + s]
+            wrong += not 0.0 <= value <= 1.0
+            chance[occurs + s] = value
+            chance[occurs + width + s] = 1.0 - value
+        if wrong:
+            for s in range(count):
+                if not 0.0 <= columns[source + s] <= 1.0:
+                    return c, first + s
+        for s in range(count, width):
+            chance[occurs + s] = chance[occurs + count - 1]
+            chance[occurs + width + s] = chance[occurs + width + count - 1]
     return None
 
 

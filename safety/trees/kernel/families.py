@@ -16,6 +16,7 @@ import cython
 
 NONE = cython.declare(cython.int, 0)
 EMPTY = cython.declare(cython.int, 1)
+LARGEST_CACHE = cython.declare(cython.longlong, 1 << 26)  # C ints, 256 MB
 EXACT = cython.declare(cython.double, 4.0e18)  # counts below this fit 64 bits with their sign
 
 
@@ -30,6 +31,11 @@ class Family:
     count = cython.declare(cython.int, visibility="public")
     root = cython.declare(cython.int, visibility="public")
     full = cython.declare(cython.bint, visibility="public")
+    shortest: cython.int[::1]  # of each node, the smallest and the largest number of variables of a set
+    longest: cython.int[::1]
+    missed: cython.longlong  # questions to the cache in vain since it was made
+    pulse: object  # called from time to time: lets signals in
+    stopped: object  # what it raised
     bucket: cython.int[::1]
     cache: cython.int[::1]
     known: cython.int[::1]
@@ -42,7 +48,8 @@ class Family:
     budget: cython.int
 
     def __init__(
-        self, level: cython.int[::1], high: cython.int[::1], low: cython.int[::1], root: cython.int, budget: cython.int
+        self, level: cython.int[::1], high: cython.int[::1], low: cython.int[::1], root: cython.int, budget: cython.int,
+        pulse=None,
     ):
         i: cython.longlong
         self.level, self.high, self.low = level, high, low
@@ -52,6 +59,11 @@ class Family:
             slots *= 2
         self.room = slots
         self.full = False
+        self.missed = 0
+        self.pulse, self.stopped = pulse, None
+        self.shortest = array("i", bytes(4 * slots))
+        self.longest = array("i", bytes(4 * slots))
+        self.shortest[0], self.longest[0] = level[0] + 1, -1
         self.node = array("i", bytes(16 * slots))
         self.bucket = array("i", bytes(4 * slots))
         self.cache = array("i", bytes(16 * slots))
@@ -66,6 +78,9 @@ class Family:
         self.count = 2
         self.root = self.minimal(root)
         self.bucket = self.cache = self.known = self.level = self.high = self.low = array("i")
+        self.shortest = self.longest = array("i")
+        if self.stopped is not None:
+            raise self.stopped
 
     @cython.cfunc
     def grow(self) -> cython.int:
@@ -78,15 +93,33 @@ class Family:
         self.room = min(self.budget, 2 * self.room)
         self.node = array("i", bytes(16 * self.room))
         self.node[: 4 * self.count] = old[: 4 * self.count]
+        short, long = self.shortest, self.longest
+        self.shortest = array("i", bytes(4 * self.room))
+        self.longest = array("i", bytes(4 * self.room))
+        self.shortest[: self.count] = short[: self.count]
+        self.longest[: self.count] = long[: self.count]
         self.bucket = array("i", bytes(8 * len(self.bucket)))
         self.bucket_mask = len(self.bucket) - 1
         for i in range(2, self.count):
             slot = self.slot(self.node[4 * i], self.node[4 * i + 1], self.node[4 * i + 2])
             self.node[4 * i + 3] = self.bucket[slot]
             self.bucket[slot] = i
-        if len(self.cache) < 1 << 25:
+        return 0
+
+    @cython.cfunc
+    def refresh(self) -> cython.int:
+        """After as many misses as the cache has slots: a larger one, and a look at signals; -1 to stop."""
+        if self.pulse is not None:
+            try:
+                self.pulse()
+            except BaseException as raised:
+                self.stopped = raised
+                self.full = True
+                return -1
+        if len(self.cache) < LARGEST_CACHE:
             self.cache = array("i", bytes(8 * len(self.cache)))
             self.cache_mask = len(self.cache) // 4 - 1
+        self.missed = 0
         return 0
 
     @cython.cfunc
@@ -132,6 +165,8 @@ class Family:
         at = 4 * cython.cast(cython.longlong, i)
         self.node[at], self.node[at + 1], self.node[at + 2], self.node[at + 3] = level, high, low, self.bucket[slot]
         self.bucket[slot] = i
+        self.shortest[i] = min(self.shortest[low], self.shortest[high] + 1)
+        self.longest[i] = max(self.longest[low], self.longest[high] + 1)
         return i
 
     @cython.cfunc
@@ -168,6 +203,7 @@ class Family:
         high: cython.int
         low: cython.int
         result: cython.int
+        bad: cython.int = 0
         if smaller == NONE or sets == NONE:
             return sets
         if smaller == EMPTY or sets == smaller:
@@ -175,12 +211,20 @@ class Family:
         b = 4 * cython.cast(cython.longlong, smaller)
         if sets == EMPTY:  # `smaller` is always minimal: it has the empty set only if it has nothing else
             return EMPTY
+        if self.shortest[smaller] > self.longest[sets]:  # too large to be in any of them
+            return sets
         a = 4 * cython.cast(cython.longlong, sets)
         if self.node[a] > self.node[b]:
             return self.without(sets, self.node[b + 2])
         entry: cython.longlong = self.entry(sets, smaller)
         if self.cache[entry] == sets and self.cache[entry + 1] == smaller:
             return self.cache[entry + 2]
+        self.missed += 1
+        if self.missed > self.cache_mask:
+            with cython.gil:
+                bad = self.refresh()
+            if bad:
+                return -1
         if self.node[a] < self.node[b]:
             high = self.without(self.node[a + 1], smaller)
             if high < 0:
@@ -277,10 +321,10 @@ class Family:
         return reached
 
     def best(self, values: cython.double[::1]):
-        """For each node, the largest product of the `values` of a set's variables by level; 0 where there is no set."""
+        """For each node, the largest sum of the `values` of a set's variables by level; -inf where there is no set."""
         i: cython.longlong
         best: cython.double[::1] = array("d", bytes(8 * self.count))
-        best[1] = 1.0
+        best[0] = -float("inf")
         for i in range(2, self.count):
-            best[i] = max(best[self.node[4 * i + 2]], values[self.node[4 * i]] * best[self.node[4 * i + 1]])
+            best[i] = max(best[self.node[4 * i + 2]], values[self.node[4 * i]] + best[self.node[4 * i + 1]])
         return best
