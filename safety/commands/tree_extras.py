@@ -10,9 +10,10 @@ from argparse import Namespace
 
 from safety.commands import CommandError
 from safety.commands.tree_text import counted
+from safety.trees.as_written import TreeError
 from safety.trees.solve import Solution
 from safety.trees.summary import LISTED
-from safety.trees.tree import FaultTree, TreeError
+from safety.trees.tree import FaultTree
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 import time
 from argparse import Namespace
 from fractions import Fraction
@@ -11,10 +12,12 @@ from safety.commands import CommandError
 from safety.commands.output import data, probe
 from safety.commands.versions import VERSION
 from safety.report.files import dumps, write_text
+from safety.trees.as_written import TreeError, exact
 from safety.trees.formats import LARGEST, read
-from safety.trees.solve import TooLarge, solve
+from safety.trees.module_diagrams import TooLarge
+from safety.trees.solve import solve
 from safety.trees.summary import LISTED, cut_set_rows, entry_of
-from safety.trees.tree import FaultTree, TreeError, exact
+from safety.trees.tree import FaultTree
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -140,7 +143,7 @@ def _enclosed(args: Namespace, tree: FaultTree, read_s: float | None, why: TooLa
             raise TooLarge(
                 f"{why}; --{name.replace('_', '-')} needs the diagram, without it certified bounds are given"
             )
-    bounds, within = enclose(tree), _within(args, tree)
+    within, bounds = _within(args, tree), enclose(tree)
     if bounds is None and within is None:
         raise why
     low, high = (None, None) if bounds is None else bounds[:2]
@@ -156,7 +159,7 @@ def _enclosed(args: Namespace, tree: FaultTree, read_s: float | None, why: TooLa
         "probability": None,
         "probability_low": low,
         "probability_high": high,
-        "minimal_cut_sets": within and cut_set_rows(within, LISTED, args.likeliest),
+        "minimal_cut_sets": within and cut_set_rows(within, LISTED, args.likeliest and bounds is not None),
         "importance": [],
         "structure": to_document(tree),
         "note": _not_exact(bounds, within),
@@ -169,7 +172,10 @@ def _within(args: Namespace, tree: FaultTree) -> Truncated | None:
     from safety.trees.truncated import largest_order, truncated
 
     if args.order is not None or args.above is not None:
-        return truncated(tree, args.order, args.above)
+        try:
+            return truncated(tree, args.order, args.above)
+        except TooLarge as why:
+            print(f"rightside tree: {why}; those up to a lower order are given", file=sys.stderr)
     return largest_order(tree) if all(gate.kind in ("and", "or", "vote") for gate in tree.gates) else None
 
 

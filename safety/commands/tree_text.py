@@ -183,6 +183,8 @@ def _averages(found: Entry, on_assumed: str) -> list[str]:
         if level["sil"] is None:
             least = f"SIL {level['sil_at_least']} at least" if level["sil_at_least"] else "perhaps no SIL"
             sil = f"at the limit {number(level['limit'])} of two levels: {least}"
+        if level.get("why_none"):
+            sil = f"no SIL, as {level['why_none']}"
         lines.append(
             f"{words} {number(figure['value'])}{on_assumed} between {figure['low']!r} and {figure['high']!r}: "
             f"{sil}{on_assumed} "

@@ -1,11 +1,13 @@
 """Fault trees: the tree, its formats, its exact solution. Usable without any model of equipment."""
 
+from safety.trees.as_written import TreeError
 from safety.trees.formats import read, write
 from safety.trees.from_cut_sets import from_cut_sets
 from safety.trees.json_form import to_document
-from safety.trees.solve import Solution, TooLarge, solve
+from safety.trees.module_diagrams import TooLarge
+from safety.trees.solve import Solution, solve
 from safety.trees.summary import summary
-from safety.trees.tree import BasicEvent, FaultTree, Gate, HouseEvent, TreeError
+from safety.trees.tree import BasicEvent, FaultTree, Gate, HouseEvent
 
 __all__ = [
     "BasicEvent",

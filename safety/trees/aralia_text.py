@@ -21,9 +21,10 @@ import re
 from collections.abc import Iterator
 from fractions import Fraction
 
+from safety.trees.as_written import TreeError, exact
 from safety.trees.draft import Draft, at
 from safety.trees.nested import nested
-from safety.trees.tree import BasicEvent, FaultTree, Gate, HouseEvent, TreeError, exact
+from safety.trees.tree import BasicEvent, FaultTree, Gate, HouseEvent
 
 NAME = r"[^\W\d]\w*(?:[-.]\w+)*"
 TOKEN = re.compile(

@@ -68,7 +68,7 @@ class Averages:
         if self.unavailability.high >= MOST_UNAVAILABLE:
             why = (
                 f"the top event holds {self.unavailability.high:.3g} of the time on the average, "
-                f"{float(MOST_UNAVAILABLE):g} or more, and what has failed cannot fail again: PFH understates the risk; "
+                f"{float(MOST_UNAVAILABLE):g} or more, while what is down cannot fail: PFH understates the risk; "
                 "take a shorter mission, tests or repairs"
             )
         return no_level("high demand", *self.frequency, why) if why else level("high demand", *self.frequency)
@@ -134,9 +134,9 @@ def _saturated(mission: Mission, ends: Sequence[Fraction]) -> str:
         down = (piece.down(float(end - begin)) for end in ends for begin, piece in [event.piece(end)])
         if share < 1 and any(q >= MOST_UNAVAILABLE * share for q in down):
             return (
-                f'"{name}" has {share:g} times the probability of an event that is down with {float(MOST_UNAVAILABLE):g} '
-                "or more in the end, and as little to fail: PFH understates the risk; take a shorter mission, tests or "
-                "repairs, or give it a rate of its own"
+                f'"{name}" has {share:g} times the probability of an event that comes to '
+                f"{float(MOST_UNAVAILABLE):g} or more, and then rises no more: PFH understates the risk; take a "
+                "shorter mission, tests or repairs, or give it a rate of its own"
             )
     return ""
 

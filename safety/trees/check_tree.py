@@ -1,15 +1,14 @@
 """Check certificates of solved fault trees: `python check_tree.py FILE...`, one file that needs nothing but Python.
 
-Exit code: 0 checked, 1 rejected, 2 not a certificate, 3 undecided (a diagram outgrew MOST_NODES).
 A certificate is JSON.  `order` has the events; `tree` is what was solved: name, gates [name, kind, inputs, k] (inputs
 first), top, events [name, chance], chances such as "1/3", "1-exp(-1/8)" or null, house events [name, state].  `reduced`
 is the same simplified, gates [kind, k, references]; `diagram` again, nodes [variable, high, low]; a variable may be
-a module, some node before it.  A reference is 2 n, or 2 n + 1 for the opposite, to number n: true at 0, then the events
-in order, then the gates or nodes, each after those that it is made of.
+a module, some node before it.  A reference is 2 n, or 2 n + 1 for the opposite, to number n: true at 0, the events in
+order, then the gates or nodes, inputs first.
 
-The argument: in a given order of the events a function has just one reduced diagram.  Tree, simplified tree and diagram
-are each made into it here as they stand: they are the same function if and only if they become the same node.  On it
-the probability is enclosed in whole numbers, rounded down and up, and minimal cut sets (or p-cuts) are counted.
+The argument: in a given order of events a function has just one reduced diagram.  Tree, simplified tree and diagram are
+each made into it: they are the same function if and only if they become the same node.  On it the probability is
+enclosed in whole numbers, rounded down and up, and minimal cut sets (or p-cuts) are counted.
 """
 
 from __future__ import annotations
@@ -25,8 +24,7 @@ from typing import Any
 
 FORMAT, MOST_NODES, MOST_BYTES, BITS = "rightside tree certificate 1", 5_000_000, 1 << 28, 1200
 CHECKED, REJECTED, UNREADABLE, UNDECIDED = "checked", "rejected", "not a certificate", "undecided"
-EXIT = {CHECKED: 0, UNDECIDED: 3, REJECTED: 1, UNREADABLE: 2}  # best first
-TRUE, FALSE, ONE = 0, 1, 1 << BITS
+EXIT, TRUE, FALSE, ONE = {CHECKED: 0, UNDECIDED: 3, REJECTED: 1, UNREADABLE: 2}, 0, 1, 1 << BITS  # best first
 
 
 class Refused(Exception):
@@ -152,7 +150,9 @@ def numbered(tree: Any, order: list[str]) -> tuple[list[Any], int]:
 
 def chance(text: str) -> tuple[int, int]:
     """A chance times ONE, rounded down and up; exp of the decimal library is correctly rounded."""
-    value, margin = Fraction(text.removeprefix("1-exp(-").removesuffix(")")), Fraction(0)
+    number = text.removeprefix("1-exp(-").removesuffix(")")
+    need(abs(int(number.lower().partition("e")[2] or 0)) <= 9999, "a chance beyond all measure", UNREADABLE)
+    value, margin = Fraction(number), Fraction(0)
     if text.startswith("1-exp(-"):
         with localcontext(prec=400):
             value, margin = 1 - Fraction((-Decimal(value.numerator) / value.denominator).exp()), (1 + value) / 10**390
@@ -177,7 +177,7 @@ def check(c: Any) -> dict[str, Any]:
     need(counts == c["cut_sets_by_order"], f"the minimal cut sets by order are {counts}")
     if c["probability"] is not None:
         low, high = diagram.probability(tree, [chance(events[name]) for name in order])
-        said = [Fraction(float(bound)) * ONE for bound in c["probability"]]
+        said = [Fraction(bound) * ONE for bound in c["probability"] if type(bound) is float]
         need(said[0] <= low and high <= said[1], f"the probability is {low / ONE!r}")
     return {"name": c["tree"]["name"], **{key: c[key] for key in ("sha256", "probability", "cut_sets_by_order")}}
 

@@ -30,7 +30,8 @@ from itertools import combinations
 from operator import add
 from typing import TYPE_CHECKING, Any, TypeGuard, cast
 
-from safety.trees.tree import DISAGREEMENT, BasicEvent, FaultTree, Gate, Rational, TreeError, exact
+from safety.trees.as_written import Rational, TreeError, exact
+from safety.trees.tree import DISAGREEMENT, BasicEvent, FaultTree, Gate
 
 if TYPE_CHECKING:
     from safety.trees.expressions import Expression
@@ -207,7 +208,7 @@ def _total(group: CcfGroup, members: list[BasicEvent], mission_time_h: Fraction 
     """An event with the probability Q of each member."""
     first = members[0]
     if group.total is None:
-        total = first
+        total = _of_the_mission(first, mission_time_h)
     elif is_expression(group.total):
         needs_time = mission_time_h if group.total.uses_mission_time else None
         total = BasicEvent(first.name, mission_time_h=needs_time, expression=group.total)
@@ -222,6 +223,17 @@ def _total(group: CcfGroup, members: list[BasicEvent], mission_time_h: Fraction 
                 member.name,
             )
     return total
+
+
+def _of_the_mission(event: BasicEvent, mission_time_h: Fraction | None) -> BasicEvent:
+    """The same event; a rate over the mission becomes an expression, whose shares follow the time as well."""
+    if event.probability is not None or event.rate_per_hour is None or event.mission_time_h != mission_time_h:
+        return event
+    from safety.trees.expressions import MissionTime
+    from safety.trees.lifetimes import Exponential
+
+    law = Exponential(event.rate_per_hour, MissionTime())
+    return event.changed(rate_per_hour=None, expression=law)
 
 
 def _alike(one: tuple[float, float] | None, other: tuple[float, float] | None) -> bool:

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from safety.trees.tree import TreeError
+from safety.trees.as_written import TreeError
 
 KEY = "rank_correlations"
 Vector = np.ndarray[Any, np.dtype[np.float64]]

@@ -14,9 +14,9 @@ from statistics import NormalDist
 from typing import Any, ClassVar
 
 from safety.trees.arithmetics import EVERYTHING, UNKNOWN, Doubles, Interval, hull
+from safety.trees.as_written import Rational, TreeError
 from safety.trees.expressions import Domains, Expression
 from safety.trees.readings import Reading
-from safety.trees.tree import Rational, TreeError
 
 POSITIVE = Interval(0.0, float("inf"))
 

@@ -6,7 +6,8 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from fractions import Fraction
 
-from safety.trees.tree import BasicEvent, FaultTree, Gate, HouseEvent, Node, TreeError
+from safety.trees.as_written import TreeError
+from safety.trees.tree import BasicEvent, FaultTree, Gate, HouseEvent, Node
 
 TYPE_CHECKING = False  # typing itself is not needed to start
 if TYPE_CHECKING:

@@ -38,7 +38,8 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
 
-from safety.trees.tree import BasicEvent, FaultTree, Gate, TreeError, exact
+from safety.trees.as_written import TreeError, exact
+from safety.trees.tree import BasicEvent, FaultTree, Gate
 
 STATIC = ("and", "or", "vote", "inhibit")
 ORDERED = ("pand", "por")

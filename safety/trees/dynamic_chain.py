@@ -22,8 +22,8 @@ from safety.rates.exceptions import NumericsFailed
 from safety.rates.exponential import transient_by_exponential
 from safety.rates.markov import Chain
 from safety.rates.numeric import MOST_STEPS, Poisson
+from safety.trees.as_written import Rational, TreeError, exact
 from safety.trees.dynamic_states import Cause, States
-from safety.trees.tree import Rational, TreeError, exact
 
 EXACT_TRANSITIONS = 20_000  # largest chain that is solved in rationals unasked
 HALF_ULP = 2.0**-53

@@ -13,8 +13,8 @@ from typing import Any
 
 import numpy as np
 
+from safety.trees.as_written import TreeError
 from safety.trees.dynamic import STATIC, DynamicGate, DynamicTree
-from safety.trees.tree import TreeError
 
 OPEN, FAILED, NEVER, GONE = range(4)  # may still fail; has failed; cannot fail any more; does not matter any more
 Columns = Any  # array (rows of a state, number of states) of uint8

@@ -15,10 +15,10 @@ import numpy as np
 
 from safety.rates.exceptions import NumericsFailed
 from safety.rates.numeric import MOST_STEPS
+from safety.trees.as_written import TreeError
 from safety.trees.dynamic import TimedEvent
 from safety.trees.dynamic_solve import DynamicSolution
 from safety.trees.dynamic_states import States
-from safety.trees.tree import TreeError
 
 CELLS = 4_000_000  # numbers of a matrix of transitions by samples
 

@@ -10,7 +10,7 @@ from itertools import combinations
 
 from safety.trees.dynamic import DynamicTree
 from safety.trees.dynamic_states import States, explore
-from safety.trees.solve import TooLarge
+from safety.trees.module_diagrams import TooLarge
 
 LONGEST = 4  # events
 MOST = 200_000  # orders looked at

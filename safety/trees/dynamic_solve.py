@@ -11,12 +11,13 @@ from functools import cached_property, partial
 from typing import TypeAlias
 
 from safety.rates.enclosure import INFINITE, Enclosure
+from safety.trees.as_written import Rational, TreeError, exact
 from safety.trees.dynamic import DynamicTree, TimedEvent
 from safety.trees.dynamic_chain import HALF_ULP, FailureChain
 from safety.trees.dynamic_modules import Part, parts, whole
 from safety.trees.dynamic_states import BUDGET, States, explore
 from safety.trees.solve import Solution, solve
-from safety.trees.tree import FaultTree, Rational, TreeError, exact
+from safety.trees.tree import FaultTree
 
 EXACT_NODES = 20_000  # largest diagram that is evaluated in rationals
 CHANCE_ERROR = 12 * HALF_ULP  # of 1 - exp(-rate x time) in doubles, relative

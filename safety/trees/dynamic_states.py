@@ -12,11 +12,11 @@ from typing import Any
 
 import numpy as np
 
+from safety.trees.as_written import TreeError
 from safety.trees.dynamic import DynamicTree
 from safety.trees.dynamic_rules import FAILED, NEVER, OPEN, REMEDY, Columns, Rules, conflicts
 from safety.trees.dynamic_symmetry import Symmetry
-from safety.trees.solve import TooLarge
-from safety.trees.tree import TreeError
+from safety.trees.module_diagrams import TooLarge
 
 BUDGET = 500_000  # states
 CELLS = 30_000_000  # numbers of a state matrix treated at once

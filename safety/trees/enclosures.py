@@ -13,8 +13,8 @@ from typing import Any, NamedTuple
 from safety.trees import kernel
 from safety.trees.flatten import flatten
 from safety.trees.kernel.flat import AND, OR, XOR, FlatGraph
+from safety.trees.module_diagrams import Part, Parts, TooLarge
 from safety.trees.recursion import deeply
-from safety.trees.solve import Part, TooLarge, _Parts
 from safety.trees.tree import HALF_ULP, FaultTree
 
 BUDGETS = (20_000, 200_000)  # nodes of a module's diagram, every order tried with each, before it is left open
@@ -61,7 +61,7 @@ def enclose(
 class _Enclosing:
     def __init__(self, tree: FaultTree, graph: FlatGraph, budgets: Sequence[int], interpreted: bool) -> None:
         self.tree, self.graph, self.budgets = tree, without_xor(graph), budgets
-        self.parts = _Parts(tree, self.graph, budgets, interpreted)
+        self.parts = Parts(tree, self.graph, budgets, interpreted)
         self.kernel = kernel.load("enclosure", interpreted)
         self.top = self.graph.root >> 1
         self.flip = self.graph.root & 1
@@ -70,7 +70,7 @@ class _Enclosing:
 
     def bounds(self, enough: float) -> Enclosed | None:
         if self.top <= self.graph.variables:
-            self.modules = [self.parts._literal(self.graph.root)]
+            self.modules = [self.parts.literal(self.graph.root)]
         else:
             self._split()
         lower, upper = array("d", bytes(16 * (self.parts.numbers + 1))), array("d")
@@ -110,7 +110,7 @@ class _Enclosing:
                     is_module[inner] = 0
             is_module[number] = 1
             try:
-                part = self.parts._module(number, is_module, self.flip if number == self.top else 0)
+                part = self.parts.module(number, is_module, self.flip if number == self.top else 0)
             except TooLarge:
                 self.modules.append(self._opened(number, is_module))
                 unknown.add(number)

@@ -22,12 +22,14 @@ from functools import cached_property, reduce
 from typing import TYPE_CHECKING
 
 from safety.trees.arithmetics import Interval, Intervals
+from safety.trees.as_written import TreeError
 from safety.trees.event_tree_gates import Formulas
 from safety.trees.event_tree_paths import Course, by_sequence, courses
 from safety.trees.expressions import Constant, Expression
 from safety.trees.importance import Importance, measures
-from safety.trees.solve import Solution, TooLarge, solve
-from safety.trees.tree import FaultTree, TreeError
+from safety.trees.module_diagrams import TooLarge
+from safety.trees.solve import Solution, solve
+from safety.trees.tree import FaultTree
 
 if TYPE_CHECKING:
     from safety.trees.event_trees import Factor, InitiatingEvent

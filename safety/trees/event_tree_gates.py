@@ -10,8 +10,9 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from safety.trees.as_written import TreeError
 from safety.trees.event_tree_paths import Collected, Course, House
-from safety.trees.tree import FaultTree, Gate, HouseEvent, Node, TreeError
+from safety.trees.tree import FaultTree, Gate, HouseEvent, Node
 
 if TYPE_CHECKING:
     from safety.trees.study import Study

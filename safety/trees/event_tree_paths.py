@@ -10,6 +10,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
+from safety.trees.as_written import TreeError
 from safety.trees.event_trees import (
     Block,
     Branch,
@@ -30,7 +31,6 @@ from safety.trees.event_trees import (
     SetHouseEvent,
     ToBranch,
 )
-from safety.trees.tree import TreeError
 
 if TYPE_CHECKING:
     from safety.trees.event_trees import Factor

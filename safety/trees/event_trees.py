@@ -18,7 +18,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
-from safety.trees.tree import Rational, TreeError
+from safety.trees.as_written import Rational, TreeError
 
 if TYPE_CHECKING:
     from safety.trees.expressions import Expression

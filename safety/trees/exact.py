@@ -10,7 +10,7 @@ from safety.trees.importance import Importance, measures
 from safety.trees.tree import FaultTree
 
 if TYPE_CHECKING:
-    from safety.trees.solve import Part
+    from safety.trees.module_diagrams import Part
 
 ZERO, ONE = Fraction(0), Fraction(1)
 

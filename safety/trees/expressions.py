@@ -16,8 +16,8 @@ from fractions import Fraction
 from typing import Any, ClassVar
 
 from safety.trees.arithmetics import COMPARISONS, FUNCTIONS, Doubles, Duals, Intervals, Irrational, Rationals
+from safety.trees.as_written import Rational, TreeError, exact
 from safety.trees.readings import NOTHING, Reading, Supports
-from safety.trees.tree import Rational, TreeError, exact
 
 DOMAINS = {
     "any number": lambda x: x == x,

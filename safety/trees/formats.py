@@ -6,7 +6,8 @@ import os
 from collections.abc import Sequence
 from fractions import Fraction
 
-from safety.trees.tree import FaultTree, Rational, TreeError, exact
+from safety.trees.as_written import Rational, TreeError, exact
+from safety.trees.tree import FaultTree
 
 TYPE_CHECKING = False  # typing itself is not needed to start
 if TYPE_CHECKING:

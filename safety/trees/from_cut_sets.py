@@ -10,8 +10,10 @@ from collections import defaultdict
 from collections.abc import Collection, Iterable, Mapping
 from itertools import combinations, product
 
-from safety.trees.solve import TooLarge, solve
-from safety.trees.tree import BasicEvent, FaultTree, Gate, HouseEvent, TreeError
+from safety.trees.as_written import TreeError
+from safety.trees.module_diagrams import TooLarge
+from safety.trees.solve import solve
+from safety.trees.tree import BasicEvent, FaultTree, Gate, HouseEvent
 
 CutSet = frozenset[str]
 BUDGETS = (20_000, 100_000)  # nodes of the diagram by which a tree is checked

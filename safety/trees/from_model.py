@@ -23,11 +23,12 @@ from safety.prove.hazards import CONFIRMED, CutSets, Hazard
 from safety.prove.problem import build_problem
 from safety.prove.record import cut_set_entry
 from safety.system import ModelError, nearest
+from safety.trees.as_written import exact
 from safety.trees.from_cut_sets import from_cut_sets
 from safety.trees.importance_of_gates import importance_of_gates, plain
 from safety.trees.solve import solve
 from safety.trees.summary import summary
-from safety.trees.tree import TAGS, BasicEvent, FaultTree, exact
+from safety.trees.tree import TAGS, BasicEvent, FaultTree
 
 NARROW = 1000  # a probability is given as one number where its bounds are closer than this part of it
 SHORT = 2  # letters; a part's longer name says itself what it is

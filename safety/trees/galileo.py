@@ -20,8 +20,9 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import NoReturn
 
+from safety.trees.as_written import TreeError, exact
 from safety.trees.dynamic import Dependency, DynamicGate, DynamicTree, Restriction, TimedEvent
-from safety.trees.tree import FaultTree, TreeError, exact
+from safety.trees.tree import FaultTree
 
 TOKEN = re.compile(
     r'(?P<space>\s+|//[^\n]*|/\*.*?\*/)|"(?P<quoted>[^"\n]*)"|(?P<mark>[;=])|(?P<word>[^\s;="]+)', re.DOTALL

@@ -29,8 +29,10 @@ from dataclasses import asdict, dataclass, replace
 from fractions import Fraction
 from typing import Any
 
-from safety.trees.solve import BUDGETS, TooLarge, solve
-from safety.trees.tree import BasicEvent, FaultTree, Gate, TreeError
+from safety.trees.as_written import TreeError
+from safety.trees.module_diagrams import BUDGETS, TooLarge
+from safety.trees.solve import solve
+from safety.trees.tree import BasicEvent, FaultTree, Gate
 
 AT_ONCE = 16  # gates that share a diagram, unless it grows too large
 SHARED_BUDGETS = (20_000, 200_000, 1_000_000)  # nodes

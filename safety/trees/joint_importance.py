@@ -22,8 +22,8 @@ from array import array
 from collections.abc import Collection, Iterable
 from dataclasses import dataclass
 
+from safety.trees.as_written import TreeError
 from safety.trees.solve import Solution
-from safety.trees.tree import TreeError
 
 CANCELLED = 1e-12  # a sum so small beside its terms is rounding
 

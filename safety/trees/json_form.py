@@ -19,8 +19,9 @@ import re
 from collections.abc import Iterator, Sequence
 from fractions import Fraction
 
+from safety.trees.as_written import TreeError, exact
 from safety.trees.draft import Draft, at
-from safety.trees.tree import BasicEvent, FaultTree, Gate, HouseEvent, Node, TreeError, exact
+from safety.trees.tree import BasicEvent, FaultTree, Gate, HouseEvent, Node
 
 TYPE_CHECKING = False  # typing itself is not needed to start
 if TYPE_CHECKING:

@@ -19,10 +19,10 @@ from functools import cache
 from typing import Any, Union, get_args, get_origin, get_type_hints
 
 from safety.trees import common_cause, event_trees, study, substitutions
+from safety.trees.as_written import Rational, TreeError, exact
 from safety.trees.draft import at
 from safety.trees.expressions import Constant, Expression, MissionTime, Operation, Parameter
 from safety.trees.mef_expressions import FUNCTIONS
-from safety.trees.tree import Rational, TreeError, exact
 
 SECTIONS = {
     "ccf_groups": common_cause.CcfGroup,

@@ -11,9 +11,9 @@ from fractions import Fraction
 from typing import Any, ClassVar, NamedTuple
 
 from safety.trees.arithmetics import UNKNOWN, Doubles
+from safety.trees.as_written import Rational, TreeError
 from safety.trees.expressions import Domains, Expression
 from safety.trees.readings import NOTHING, Reading
-from safety.trees.tree import Rational, TreeError
 
 TIME = ("time in hours", "0 or more")
 RATE = ("failure rate per hour", "0 or more")

@@ -18,11 +18,12 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Any
 
+from safety.trees.as_written import TreeError
 from safety.trees.behaviour import ZERO, Relaxing
 from safety.trees.mission import CAUSES, Mission
 from safety.trees.quadrature import TOLERANCE, Bounds, doubling, rounding, rules, written
 from safety.trees.solve import Solution, solve
-from safety.trees.tree import BasicEvent, FaultTree, Gate, TreeError
+from safety.trees.tree import BasicEvent, FaultTree, Gate
 
 MOST_TERMS = 3_000  # of a sum of exponentials
 MOST_WORK = 500_000  # terms added or multiplied, in all

@@ -15,9 +15,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from fractions import Fraction
 
+from safety.trees.as_written import TreeError, exact
 from safety.trees.draft import Draft, at, roots
 from safety.trees.mef_elements import ANNOTATIONS, NUMBERS, Attributes, content, description, only, parts, truth, whole
-from safety.trees.tree import TAGS, BasicEvent, Gate, HouseEvent, TreeError, exact
+from safety.trees.tree import TAGS, BasicEvent, Gate, HouseEvent
 from safety.trees.xml_elements import Element
 
 TYPE_CHECKING = False  # typing itself is not needed to start

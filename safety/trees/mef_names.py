@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import re
 
-from safety.trees.tree import TreeError
+from safety.trees.as_written import TreeError
 
 LETTER = "A-Za-zÀ-ÖØ-öø-ɏ"
 PLAIN = re.compile(f"[{LETTER}_][{LETTER}0-9_]*(?:-[{LETTER}0-9_]+)*")

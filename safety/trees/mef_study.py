@@ -7,11 +7,12 @@ from dataclasses import replace
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
+from safety.trees.as_written import exact
 from safety.trees.draft import at
 from safety.trees.mef_elements import content, description, only, parts, truth, whole
 from safety.trees.study import Alignment, Phase
 from safety.trees.substitutions import Substitution
-from safety.trees.tree import BasicEvent, exact
+from safety.trees.tree import BasicEvent
 from safety.trees.xml_elements import Element
 
 if TYPE_CHECKING:

@@ -13,9 +13,10 @@ from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from safety.trees import mef_xml as xml
+from safety.trees.as_written import TreeError
 from safety.trees.mef_xml import Lines
 from safety.trees.nested import nested
-from safety.trees.tree import BasicEvent, FaultTree, Gate, HouseEvent, Node, TreeError
+from safety.trees.tree import BasicEvent, FaultTree, Gate, HouseEvent, Node
 
 if TYPE_CHECKING:
     from safety.trees.common_cause import CcfGroup

@@ -9,8 +9,8 @@ from fractions import Fraction
 from typing import TYPE_CHECKING
 from xml.sax.saxutils import escape, quoteattr
 
+from safety.trees.as_written import Rational, TreeError, exact
 from safety.trees.mef_names import encoded
-from safety.trees.tree import Rational, TreeError, exact
 from safety.trees.xml_elements import NAMES
 
 if TYPE_CHECKING:

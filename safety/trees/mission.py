@@ -22,9 +22,11 @@ from fractions import Fraction
 from functools import cached_property
 from typing import Any, NamedTuple
 
-from safety.trees.behaviour import Behaviour, Piece, UnknownFrequency, behaviours, double, mission_time
+from safety.trees.as_written import Rational, TreeError, exact
+from safety.trees.behaviour import Behaviour, Piece, UnknownFrequency, double
+from safety.trees.laws import behaviours, mission_time
 from safety.trees.solve import Solution, solve
-from safety.trees.tree import FaultTree, Rational, TreeError, exact
+from safety.trees.tree import FaultTree
 
 MOST_TESTS = 20_000
 CAUSES, PREVENTS, BOTH = 1, 2, 3  # what the occurrence of an event can do to the top event

@@ -9,8 +9,9 @@ from collections.abc import Iterator
 from typing import Any, NamedTuple
 
 from safety.trees import kernel
+from safety.trees.module_diagrams import TooLarge
 from safety.trees.recursion import deeply
-from safety.trees.solve import Solution, TooLarge
+from safety.trees.solve import Solution
 
 BUDGET = 20_000_000  # nodes of a module's functions and families
 Product = tuple[tuple[str, bool], ...]  # names, sorted, and whether the event occurs

@@ -7,7 +7,7 @@ from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
 from safety.trees.arithmetics import Doubles, Dual, Interval
-from safety.trees.tree import Rational, TreeError, exact
+from safety.trees.as_written import Rational, TreeError, exact
 
 if TYPE_CHECKING:
     from safety.trees.expressions import Expression, Parameter

@@ -24,11 +24,12 @@ from typing import Any
 import numpy as np
 
 from safety.trees.arithmetics import COMPARISONS, Doubles
+from safety.trees.as_written import TreeError
 from safety.trees.correlation import Correlation, Vector
 from safety.trees.distributions import Distribution, standard_normal
 from safety.trees.expressions import Expression, Parameter
 from safety.trees.readings import NOTHING, Reading
-from safety.trees.tree import FaultTree, TreeError
+from safety.trees.tree import FaultTree
 
 
 class Vectors(Doubles):

@@ -12,12 +12,13 @@ from dataclasses import asdict, dataclass
 from fractions import Fraction
 from typing import Any
 
+from safety.trees.as_written import Rational, TreeError, exact
 from safety.trees.expressions import Expression, MissionTime
 from safety.trees.lifetimes import Exponential
 from safety.trees.readings import MISSION_TIME, NOTHING
 from safety.trees.sampling import parameters
 from safety.trees.solve import Solution
-from safety.trees.tree import BasicEvent, FaultTree, Rational, TreeError, exact
+from safety.trees.tree import BasicEvent, FaultTree
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 from array import array
 from collections.abc import Iterator, Mapping, Sequence
@@ -10,13 +9,15 @@ from fractions import Fraction
 from functools import cached_property
 
 from safety.trees import kernel
+from safety.trees.as_written import TreeError
 from safety.trees.flatten import flatten
 from safety.trees.importance import Importance, measures
 from safety.trees.kernel.flat import FlatGraph
 from safety.trees.listing import Families
+from safety.trees.module_diagrams import BUDGETS, Part, Parts, TooLarge
 from safety.trees.record import Record
 from safety.trees.recursion import deeply
-from safety.trees.tree import HALF_ULP, FaultTree, TreeError
+from safety.trees.tree import HALF_ULP, FaultTree
 
 TYPE_CHECKING = False  # typing itself is not needed to start
 if TYPE_CHECKING:
@@ -26,26 +27,10 @@ if TYPE_CHECKING:
 
     T = TypeVar("T", bound=Any)  # a number of any arithmetic
 
-BUDGETS = (20_000, 200_000, 2_000_000, 25_000_000)  # nodes; orders are tried with each before the next
-KEPT = (None, None, 6, 2)  # orders tried with each budget: those that got furthest with the one before, and the first
 SMALLEST = 5e-324  # the least positive double
 WIDE = 1e-13  # relative error of a chance that is carried as an interval
 FAMILY_BUDGET = 40_000_000  # nodes of the diagram of cut sets
 CHUNK = 2048  # samples evaluated at once, a multiple of the kernel's block
-
-
-class TooLarge(RuntimeError):
-    """No order kept a diagram within the largest budget; the tree has no result, not even an approximate one."""
-
-    exit_code = 3
-
-
-class Part(Record):
-    """One module: its number, the numbers of its variables by level (events, inner modules), and its diagram."""
-
-    number: int
-    order: Sequence[int]
-    diagram: Any
 
 
 class Solution:
@@ -342,74 +327,6 @@ def solve(tree: FaultTree, budgets: Sequence[int] = BUDGETS, *, interpreted: boo
 
     def work() -> Solution:
         graph = kernel.load("graph", interpreted).reduce(flatten(tree))
-        return Solution(tree, graph, _Parts(tree, graph, budgets, interpreted).all(), interpreted)
+        return Solution(tree, graph, Parts(tree, graph, budgets, interpreted).all(), interpreted)
 
     return deeply(len(tree.events) + len(tree.gates), work)
-
-
-class _Parts:
-    """The diagrams of the modules of one graph, inner ones first."""
-
-    def __init__(self, tree: FaultTree, graph: FlatGraph, budgets: Sequence[int], interpreted: bool) -> None:
-        self.tree, self.graph, self.budgets = tree, graph, budgets
-        self.modules, self.members, self.orders, self.builder, self.diagrams = (
-            kernel.load(name, interpreted) for name in ("modules", "members", "orders", "builder", "diagram")
-        )
-        self.numbers = graph.variables + len(graph) + 1
-        self.constants: dict[int, int] = {0: 0}
-
-    def all(self) -> list[Part]:
-        top = self.graph.root >> 1
-        if top <= self.graph.variables:
-            return [self._literal(self.graph.root)]
-        modules, _ = self.modules.modules(self.graph, True)
-        is_module = bytearray(self.numbers)
-        for number in modules:
-            is_module[number] = 1
-        parts = []
-        for number in modules:
-            part = self._module(number, is_module, self.graph.root & 1 if number == top else 0)
-            if part.diagram.root < 2:
-                self.constants[number] = part.diagram.root
-            parts.append(part)
-        return parts
-
-    def _literal(self, literal: int) -> Part:
-        """A top event that is a basic event, its opposite or a constant."""
-        order = [literal >> 1] if literal > 1 else []
-        builder = self.builder.Builder(len(order), 2)
-        root = builder.variable(0) ^ (literal & 1) if order else literal
-        return Part(self.numbers, order, self.diagrams.Diagram(*builder.finish(root)))
-
-    def _module(self, number: int, is_module: bytearray, flip: int) -> Part:
-        gates, variables = self.members.members(self.graph, number, is_module)
-        # of one gate every order is as good
-        orders = iter([variables]) if len(gates) == 1 else self.orders.orders(self.graph, number, is_module)
-        usual = None
-        for budget, kept in itertools.zip_longest(self.budgets, KEPT[: len(self.budgets)], fillvalue=KEPT[-1]):
-            tried: list[tuple[int, array[int]]] = []
-            for order in itertools.islice(orders, kept):
-                builder, root = self._built(gates, order, budget)
-                if root >= 0:
-                    return Part(number, order, self.diagrams.Diagram(*builder.finish(root ^ flip)))
-                tried.append((builder.done, order))
-            usual = usual or tried[0][1]
-            orders = [order for _, order in sorted(tried, key=lambda one: (-one[0], one[1] is not usual))]
-            orders.insert(1, orders.pop(next(i for i, order in enumerate(orders) if order is usual)))
-        raise TooLarge(
-            f'fault tree "{self.tree.name}": a module of {len(gates)} gates over {len(orders[0])} variables '
-            f"needs more than {self.budgets[-1]} nodes in every order tried; split the tree, or pass larger budgets "
-            "to solve()"
-        )
-
-    def _built(self, gates: array[int], order: Sequence[int], budget: int) -> tuple[Any, int]:
-        """A builder and the root of the module in it, below 0 where it needs more than the budget."""
-        builder = self.builder.Builder(len(order), budget)
-        edge_of = array("i", bytes(4 * self.numbers))
-        for level, number in enumerate(order):
-            edge_of[number] = builder.variable(level)
-            if edge_of[number] < 0:
-                return builder, -1
-        for number, constant in self.constants.items():
-            edge_of[number] = constant
-        return builder, builder.build(self.graph, gates, edge_of)

@@ -11,9 +11,10 @@ from fractions import Fraction
 from functools import cached_property
 from typing import TYPE_CHECKING, cast
 
+from safety.trees.as_written import TreeError, exact
 from safety.trees.draft import only_root, roots
 from safety.trees.substitutions import Substitution, exchanged, stated
-from safety.trees.tree import BasicEvent, FaultTree, Gate, HouseEvent, Node, TreeError, exact
+from safety.trees.tree import BasicEvent, FaultTree, Gate, HouseEvent, Node
 
 if TYPE_CHECKING:
     from safety.trees.common_cause import CcfGroup

@@ -11,7 +11,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
-from safety.trees.tree import FaultTree, Gate, HouseEvent, TreeError
+from safety.trees.as_written import TreeError
+from safety.trees.tree import FaultTree, Gate, HouseEvent
 
 MOST = 100_000  # cut sets to which substitutions with sources are applied
 KINDS = ("", "delete-terms", "recovery-rule", "exchange-event")

@@ -8,11 +8,11 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from fractions import Fraction
 
+from safety.trees.as_written import Rational, TreeError, exact
 from safety.trees.exact import Exact
 from safety.trees.expressions import Parameter
 from safety.trees.sensitivity import quantity
 from safety.trees.solve import Solution
-from safety.trees.tree import Rational, TreeError, exact
 
 DOUBLINGS = 200  # of a quantity, searched for one that meets a target
 START = Fraction(1, 10**6)  # where the search begins for a quantity that is 0 or unknown

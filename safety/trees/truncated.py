@@ -11,14 +11,16 @@ from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
 from safety.trees import kernel
+from safety.trees.as_written import TreeError
 from safety.trees.flatten import flatten
 from safety.trees.kernel.flat import AND, OR, FlatGraph
 from safety.trees.listing import EMPTY, Families
+from safety.trees.module_diagrams import TooLarge
 from safety.trees.recursion import deeply
-from safety.trees.solve import FAMILY_BUDGET, Solution, TooLarge
-from safety.trees.tree import HALF_ULP, FaultTree, TreeError
+from safety.trees.solve import FAMILY_BUDGET, Solution
+from safety.trees.tree import HALF_ULP, FaultTree
 
-BUDGET = 20_000_000  # nodes of all families
+BUDGET = 8_000_000  # nodes of all families, about 0.5 GB
 STEP_BUDGET = 2_000_000  # of those of an order that is tried unasked
 UNION_BUDGET = 200_000  # nodes of the diagram of the sets found
 LIKELIEST = (10_000, 1000, 100, 10, 1)  # sets whose union is tried where that of all does not fit

@@ -21,10 +21,10 @@ from typing import Any
 
 import numpy as np
 
+from safety.trees.as_written import TreeError
 from safety.trees.correlation import Vector
 from safety.trees.sampling import Columns, Draws, Plan, probabilities, variables
 from safety.trees.solve import Solution
-from safety.trees.tree import TreeError
 
 LEVELS = (0.05, 0.25, 0.5, 0.75, 0.95)
 CONFIDENCE = 0.95

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from xml.parsers import expat
 
-from safety.trees.tree import TreeError
+from safety.trees.as_written import TreeError
 
 DEEPEST = 200  # elements inside each other; far beyond any formula that people write
 NAMES = {"name", "event-tree", "functional-event"}  # attributes that hold names

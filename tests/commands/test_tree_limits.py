@@ -6,7 +6,8 @@ from pathlib import Path
 import pytest
 
 from safety.commands import main, tree_files
-from safety.trees.solve import TooLarge
+from safety.trees import truncated
+from safety.trees.module_diagrams import TooLarge
 
 TWO_OF_FOUR = {
     "format": "rightside/fault-tree/1", "name": "T", "top": "T",
@@ -67,6 +68,20 @@ def test_a_tree_without_a_diagram_has_cut_sets_and_bounds(tmp_path: Path, capsys
         assert (sets.get("limits"), sets["count"]) == (limits, count)
         assert found["probability_low"] <= PROBABILITY <= found["probability_high"]
         assert ("beyond the limits are not known" in found["note"]) == (limits is not None)
+
+
+@pytest.mark.usefixtures("no_diagram")
+def test_where_what_was_asked_for_does_not_fit_a_lower_order_is_given(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refuse(*_: object) -> None:
+        raise TooLarge("order 3 needs more")
+
+    monkeypatch.setattr(truncated, "truncated", refuse)
+    assert main(["tree", written(tmp_path), "--order", "3", "--json", "-"]) == 4
+    said = capsys.readouterr()
+    assert "order 3 needs more; those up to a lower order are given" in said.err
+    assert entry(said.out)["minimal_cut_sets"]["count"] == 7
 
 
 @pytest.mark.usefixtures("no_diagram")

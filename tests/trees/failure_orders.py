@@ -11,8 +11,8 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from itertools import pairwise
 
+from safety.trees.as_written import TreeError
 from safety.trees.dynamic import DynamicGate, DynamicTree
-from safety.trees.tree import TreeError
 
 
 @dataclass

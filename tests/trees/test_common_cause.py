@@ -1,19 +1,23 @@
 """Common cause: closed forms, the brute truth table of groups written out by hand, and SCRAM's own reading of them."""
 
+import math
 import random
 import re
 import subprocess
+from dataclasses import replace
 from fractions import Fraction
 from math import comb
 
 import pytest
 
 from safety.trees import BasicEvent, FaultTree, Gate, TreeError, solve
+from safety.trees.averages import averages
 from safety.trees.common_cause import FIRST_LEVEL, CcfGroup, apply
 from safety.trees.distributions import Uniform
 from safety.trees.expressions import MissionTime, Parameter
 from safety.trees.formats import read_study
 from safety.trees.lifetimes import Exponential
+from safety.trees.mission import Mission
 from tests.trees.brute import Truth
 from tests.trees.other_tools import SCRAM
 
@@ -273,3 +277,24 @@ def test_a_rate_is_scaled_as_a_probability():
     assert changed.nodes["CCF-B0-B1"].chance[0] == pytest.approx(0.2 * tree.events[0].chance[0], rel=1e-15)
     with pytest.raises(TreeError, match=r"has the distribution 1.2, expected 0 to 1"):
         group("beta-factor", [BETA], 2, total=Parameter("q", Fraction(6, 5)))
+
+
+def test_shares_of_a_rate_follow_the_mission():
+    """A group of events with rates is the one with their law: 2 of 2, beta 0.1."""
+    laws = {"rate_per_hour": Fraction(1, 10**5)}, {"expression": Exponential("1e-5", MissionTime())}
+    group = CcfGroup("G", "beta-factor", ("a", "b"), {2: "0.1"})
+    found = []
+    for law in laws:
+        events = tuple(BasicEvent(name, **law) for name in group.members)
+        tree = FaultTree("t", "top", (Gate("top", "and", group.members),), events, mission_time_h=1000)
+        found.append(averages(Mission(apply(tree, [group]))))
+    assert found[0] == found[1] and found[0].frequency.high < 1.1e-6
+
+    def q(hours):
+        alone, common = (share * -math.expm1(-1e-5 * hours) for share in (0.9, 0.1))
+        return 1 - (1 - common) * (1 - alone**2)
+
+    assert sum(found[0].expected_failures) / 2 == pytest.approx(q(1000), rel=1e-12)
+    own = tuple(BasicEvent(name, rate_per_hour="1e-5", mission_time_h=10) for name in group.members)
+    apart = averages(Mission(apply(replace(tree, events=own), [group])))
+    assert apart.frequency is None and "of a fixed time" in apart.unknown

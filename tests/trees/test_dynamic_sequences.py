@@ -5,9 +5,9 @@ from itertools import combinations, permutations
 import pytest
 
 from safety.trees import TooLarge
+from safety.trees.as_written import TreeError
 from safety.trees.dynamic_sequences import cut_sequences
 from safety.trees.galileo import read_galileo
-from safety.trees.tree import TreeError
 from tests.trees.failure_orders import Past, _after, _begin, _settled
 from tests.trees.random_dynamic import random_dynamic
 

@@ -18,10 +18,10 @@ from scipy.linalg import expm
 
 from safety.rates.exponential import transient_by_exponential
 from safety.rates.markov import Chain
+from safety.trees.as_written import TreeError
 from safety.trees.expressions import Expression, MissionTime, Operation, Parameter
 from safety.trees.lifetimes import Exponential, Glm, PeriodicTest, Weibull
 from safety.trees.readings import MISSION_TIME
-from safety.trees.tree import TreeError
 
 RATES = [("1e-5", "0.1", "0"), ("1e-3", "1e-2", "0.2"), ("1e-2", "0", "1"), ("0", "1e-2", "0.5"), ("0", "0", "0.3")]
 

@@ -131,7 +131,7 @@ def test_a_long_fraction_is_not_written_out():
 
 def test_a_share_of_a_probability_is_no_constant_rate():
     """Neither may it never come, as its limit says, nor is it of a rate scaled alike."""
-    with pytest.raises(TreeError, match='"e0" has 0.5 times the probability of an event with a rate'):
+    with pytest.raises(TreeError, match=r'"e0" has 0\.5 times the probability of an event with a rate'):
         mean_time_to_failure(voted(1, [Operation("mul", Fraction(1, 2), Exponential(L, T))]))
     group = CcfGroup("G", "beta-factor", ("e0", "e1"), {2: Fraction(1, 10)})
     with pytest.raises(TreeError, match="as one of a common-cause group has"):

@@ -190,7 +190,7 @@ def test_times_beyond_all_doubles(time):
         TreeError, match=f"the mission time is {time.replace('e1', 'e.1').replace('e4', 'e.4')}, expected"
     ):
         Mission(voted(1, [Exponential(L, T)]), time)
-    with pytest.raises(TreeError, match="a time of the curve is 1e.*, expected 0 or a number from 1e-100"):
+    with pytest.raises(TreeError, match=r"a time of the curve is 1e.*, expected 0 or a number from 1e-100"):
         Mission(voted(1, [Exponential(L, T)]), 100).curve([time])
 
 

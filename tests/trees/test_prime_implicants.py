@@ -6,8 +6,8 @@ import pytest
 
 from safety.trees import read, solve
 from safety.trees.kernel import load
+from safety.trees.module_diagrams import TooLarge
 from safety.trees.prime_implicants import PrimeImplicants
-from safety.trees.solve import TooLarge
 from tests.oracles import SHARED
 from tests.trees.random_trees import random_tree
 from tests.trees.twin import holds

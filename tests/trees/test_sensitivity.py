@@ -8,6 +8,7 @@ from fractions import Fraction
 
 import pytest
 
+from safety.trees.as_written import TreeError
 from safety.trees.distributions import Lognormal, Uniform
 from safety.trees.expressions import Expression, MissionTime, Parameter
 from safety.trees.lifetimes import Exponential, PeriodicTest
@@ -15,7 +16,7 @@ from safety.trees.readings import MISSION_TIME
 from safety.trees.sensitivity import derivatives, fields, tornado
 from safety.trees.solve import solve
 from safety.trees.targets import meets
-from safety.trees.tree import BasicEvent, FaultTree, Gate, TreeError
+from safety.trees.tree import BasicEvent, FaultTree, Gate
 
 
 def bridge(rate: Expression | str = "2e-4", p: Expression | str = "0.03", beta: Expression | str = "0.1") -> FaultTree:

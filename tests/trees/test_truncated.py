@@ -9,8 +9,8 @@ from types import ModuleType
 import pytest
 
 from safety.trees import BasicEvent, FaultTree, Gate, kernel, read, solve
-from safety.trees.solve import TooLarge
-from safety.trees.tree import TreeError
+from safety.trees.as_written import TreeError
+from safety.trees.module_diagrams import TooLarge
 from safety.trees.truncated import OfDiagram, largest_order, limited, truncated
 from tests.oracles import SHARED
 from tests.trees.brute import Truth, by_order
@@ -181,20 +181,19 @@ def differs(seed):
 
 @with_oracles
 def test_the_smallest_cut_sets_of_every_coherent_public_tree():
-    checked = 0
+    orders = []
     for name, row in EXPECTED.items():
         tree = public(name)
         published = [0, *map(int, row["mcs_by_order"].split())]
         if len(published) == 1 or any(gate.kind in ("not", "xor") for gate in tree.gates):
             continue
-        found = largest_order(tree, budget=20_000)
+        found = largest_order(tree, budget=50_000)
         expected = published[: found.order + 1]
         assert [*found.counts, *[0] * (len(expected) - len(found.counts))] == expected, name
-        assert found.order >= 2
         if sum(found.counts) < 1000:
             assert 0 < found.lower() <= float(row["p_top"]) * (1 + 1e-12)
-        checked += 1
-    assert checked > 15
+        orders.append(found.order)
+    assert len(orders) > 15 and min(orders) >= 2 and sum(orders) > 100
 
 
 @with_oracles
@@ -221,3 +220,18 @@ def test_an_error_in_the_chance_of_an_event_is_inside_the_bound():
     tree = FaultTree("t", "top", (Gate("top", "or", ("a",)),), (event,))
     lower = truncated(tree).lower()
     assert 0 < lower < -math.expm1(-1e-4) < lower * (1 + 1e-14)
+
+
+def test_a_wide_gate_is_no_more_work_than_its_inputs():
+    events = tuple(BasicEvent(f"e{i}", "0.001") for i in range(20_000))
+    names = tuple(event.name for event in events)
+    for kind, k, counts in (("or", None, (0, 20_000)), ("vote", 3, (0, 0, 0, math.comb(20_000, 3)))):
+        tree = FaultTree("wide", "top", (Gate("top", kind, names, k),), events)
+        assert truncated(tree, 3, budget=200_000).counts == counts
+
+
+@with_oracles
+@pytest.mark.slow
+def test_the_smallest_cut_sets_of_a_public_tree_that_is_not_coherent():
+    found = limited(solve(public("cea9601")), 4, None)
+    assert found.counts == (0, 0, 0, 1144, 53292) and not found.complete  # as SCRAM 0.16.2 -l 4

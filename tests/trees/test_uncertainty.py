@@ -15,13 +15,14 @@ import numpy as np
 import pytest
 from scipy import stats
 
+from safety.trees.as_written import TreeError
 from safety.trees.correlation import Correlation
 from safety.trees.distributions import Beta, Distribution, Gamma, Histogram, Lognormal, Normal, Uniform
 from safety.trees.expressions import Expression, MissionTime, Operation, Parameter
 from safety.trees.lifetimes import Exponential, PeriodicTest
 from safety.trees.sampling import Draws, Plan, probabilities, variables
 from safety.trees.solve import Solution, solve
-from safety.trees.tree import BasicEvent, FaultTree, Gate, TreeError
+from safety.trees.tree import BasicEvent, FaultTree, Gate
 from safety.trees.uncertainty import MEASURES, Spread, fields, importance_fields, propagate, propagate_importance, ranks
 
 N = 20_000

@@ -17,7 +17,7 @@ BLOCK = cython.declare(cython.int, 32)  # samples of a pass; their values for a 
 
 @cython.cclass
 class Diagram:
-    """One function: `level`, `high` and `low` of each node (arrays of C int, node 0 the constant), and the root edge."""
+    """One function: `level`, `high` and `low` of each node (arrays of C int, node 0 the constant), and the root."""
 
     level = cython.declare(cython.int[::1], visibility="public")
     high = cython.declare(cython.int[::1], visibility="public")

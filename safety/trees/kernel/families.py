@@ -301,7 +301,7 @@ class Family:
         return list(counts[place[self.root] : place[self.root + 1]])
 
     def reachable_orders(self, masks: cython.ulonglong[::1]):
-        """For each node, bit n set where it has a set of order n, `masks` being that of each variable; below order 64."""
+        """For each node, bit n set where it has a set of order n, below 64; `masks` are those of the variables."""
         i: cython.longlong
         n: cython.int
         high: cython.ulonglong

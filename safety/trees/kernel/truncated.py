@@ -286,10 +286,10 @@ class Truncating:
         inputs: cython.int[::1] = graph.inputs
         first: cython.int = graph.variables + 1
         enough: cython.int[::1] = array("i", bytes(4 * (max(k, default=0) + 1)))
-        i: cython.int
         j: cython.int
         g: cython.int
         n: cython.int
+        x: cython.int
         f: cython.int = NONE
         for n in range(len(gates)):
             g = gates[n] - first
@@ -297,14 +297,15 @@ class Truncating:
             for j in range(1, k[g] + 1):
                 enough[j] = NONE
             enough[0] = EMPTY
-            for i in range(start[g], start[g + 1]):
+            below = [family_of[inputs[i] >> 1] for i in range(start[g], start[g + 1])]
+            for x in sorted(below, key=lambda y: -self.of(y, 0)):  # the last levels first: a wide gate is then linear
                 if kind[g] == AND:
-                    f = self.product(f, family_of[inputs[i] >> 1], order, weight)
+                    f = self.product(x, f, order, weight)
                 elif kind[g] == OR:
-                    f = self.union(f, family_of[inputs[i] >> 1])
+                    f = self.union(x, f)
                 else:  # at least j of the inputs so far
                     for j in range(k[g], 0, -1):
-                        f = self.product(enough[j - 1], family_of[inputs[i] >> 1], order, weight)
+                        f = self.product(x, enough[j - 1], order, weight)
                         enough[j] = f = self.union(enough[j], f)
             if kind[g] > OR:
                 f = enough[k[g]]
