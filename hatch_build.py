@@ -43,7 +43,8 @@ def compile_kernel(*stems: str) -> list[Path]:
     try:
         return [compile_file(path) for path in sources if not stems or path.stem in stems]
     except Exception as error:  # no compiler, no headers, no Cython: whatever it is, the interpreted form works
-        for path in KERNEL.glob("_*_c.*"):
+        for path in [found for source in sources if not stems or source.stem in stems
+                     for found in KERNEL.glob(f"_{source.stem}_c.*")]:  # fmt: skip
             path.unlink()
         warnings.warn(f"the fault-tree kernel is not compiled and runs interpreted, slowly: {error}", stacklevel=2)
         return []

@@ -151,12 +151,18 @@ def _sensitivity(found: Entry, on_assumed: str) -> list[str]:
 
 
 def _targets(found: list[Entry], on_assumed: str) -> list[str]:
-    proof = {True: "compared in rationals", False: "compared in doubles"}
-    return [
-        f"the top has probability {number(one['target'])} where {one['name']} is between {one['low']!r} and "
-        f"{one['high']!r}{on_assumed} ({proof[one['exact']]})"
-        for one in found
-    ]
+    return [line for one in found for line in _target(one, on_assumed)]
+
+
+def _target(one: Entry, on_assumed: str) -> list[str]:
+    proof = "compared in rationals" if one["exact"] else "compared in doubles"
+    between = f"between {one['low']!r} and {one['high']!r}{on_assumed} ({proof})"
+    if one.get("jump"):
+        ends = f"from {number(one['top_low'])} to {number(one['top_high'])}"
+        lines = [f"the top jumps over {number(one['target'])}, {ends}, where {one['name']} is {between}"]
+    else:
+        lines = [f"the top has probability {number(one['target'])} where {one['name']} is {between}"]
+    return [*lines, "  other values may do so as well"] if one.get("others_possible") else lines
 
 
 def _curve(found: Entry, on_assumed: str) -> list[str]:
