@@ -48,7 +48,12 @@ class Family:
     budget: cython.int
 
     def __init__(
-        self, level: cython.int[::1], high: cython.int[::1], low: cython.int[::1], root: cython.int, budget: cython.int,
+        self,
+        level: cython.int[::1],
+        high: cython.int[::1],
+        low: cython.int[::1],
+        root: cython.int,
+        budget: cython.int,
         pulse=None,
     ):
         i: cython.longlong
