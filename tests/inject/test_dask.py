@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
+import threading
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -89,9 +90,12 @@ def test_a_machine_without_the_package_is_named(root: Path, without: str, named:
     (root / "bare/safety").mkdir(parents=True)
     (root / "bare/safety/__init__.py").write_text("")  # stands before the one that is installed
     there = LocalCluster(root, workers=1, without=without)
+    late = threading.Timer(120, there.end)  # a worker that dies by itself is waited for, as another may come
+    late.start()
     try:
         with pytest.raises(StoreError, match=f"{named} .* does not find the package safety of rightside") as caught:
             run(root, there, lambda: None)
         assert caught.value.exit_code == 2
     finally:
+        late.cancel()
         there.end()
