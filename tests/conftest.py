@@ -3,6 +3,8 @@
 No test, and no file of tests, leaves models, proofs or declarations behind for the next one.
 """
 
+import os
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -11,6 +13,10 @@ from hypothesis import settings
 
 from safety.prove.cache import Cache
 from tests.apart import kept
+
+# Tests rewrite files of projects within a second and in the same size, which compiled bytecode would not notice.
+sys.dont_write_bytecode = True
+os.environ["PYTHONDONTWRITEBYTECODE"] = "1"
 
 settings.register_profile("pinned", deadline=None, derandomize=True)
 settings.load_profile("pinned")
