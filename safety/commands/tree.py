@@ -97,11 +97,7 @@ def run(args: Namespace) -> int:
         session = work(args, "trees")
         entries, code = session.results.get("trees", []), session.code
     if args.json != "-":
-        data(
-            "\n\n".join(
-                told(entry) for entry in entries if "structure" in entry or "dynamic" in entry or "sequences" in entry
-            )
-        )
+        data("\n\n".join(told(entry) for entry in entries if entry.get("structure") or "sequences" in entry))
     if args.svg:
         _draw(args.svg, entries)
     return code

@@ -99,7 +99,8 @@ def export(paths: list[str], tree: FaultTree | Study) -> list[str]:
 
 
 def _gates(tree: FaultTree) -> Entry:
-    from safety.trees.importance_of_gates import importance_of_gates, plain
+    from safety.trees.importance import plain
+    from safety.trees.importance_of_gates import importance_of_gates
 
     return {"gate_importance": [plain(one) for one in importance_of_gates(tree).values()]}
 

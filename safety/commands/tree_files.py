@@ -47,14 +47,15 @@ def solve_files(args: Namespace) -> tuple[list[Entry], int]:
             raise CommandError(f"{option} is of the project's hazards; leave it out with a FILE")
     if args.hours is not None:
         exact(args.hours, "--hours")
-    if args.ties != "refuse" and not all(b"toplevel" in _content(file) for file in args.files):
+    texts = [_content(file) for file in args.files]
+    if args.ties != "refuse" and not all(b"toplevel" in text for text in texts):
         raise CommandError("--ties is of dynamic trees in Galileo text; leave it out")
     if args.uncertainty is None and (args.lhs or args.correlation or args.seed is not None):
         raise CommandError("--lhs, --seed and --correlation are of --uncertainty N; add it")
     if args.json:
         probe(args.json)
     try:
-        entries = _events(args) or _phases(args) or [_dynamic(args) or _static(args)]
+        entries = _events(args, texts) or _phases(args, texts) or [_dynamic(args, texts) or _static(args)]
     except TreeError as error:
         raise error if any(file in str(error) for file in args.files) else error.at(", ".join(args.files)) from None
     results: dict[str, Any] = {"schema": "rightside/1", "tool": {"rightside": VERSION}}
@@ -77,9 +78,9 @@ def _static(args: Namespace) -> Entry:
     return _solved(args, tree, time.perf_counter() - began)
 
 
-def _phases(args: Namespace) -> list[Entry]:
+def _phases(args: Namespace, texts: list[bytes]) -> list[Entry]:
     """An entry for each phase of the alignments in the files, if there are any."""
-    if not _holds(args, PHASES):
+    if not _holds(texts, PHASES):
         return []
     from safety.trees.formats import read_study
 
@@ -188,17 +189,16 @@ def _not_exact(bounds: Enclosed | None, within: Truncated | None) -> str:
     return said + ("; cut sets beyond the limits are not known" if within and not within.complete else "")
 
 
-def _dynamic(args: Namespace) -> Entry | None:
+def _dynamic(args: Namespace, texts: list[bytes]) -> Entry | None:
     """The entry of a Galileo file with dynamic gates; None for any other."""
-    text = _content(args.files[0]) if len(args.files) == 1 else b""
-    if b"toplevel" not in text:
+    if len(texts) > 1 or b"toplevel" not in texts[0]:
         return None
     from safety.trees.galileo import is_galileo, read_galileo
 
-    if not is_galileo(text):
+    if not is_galileo(texts[0]):
         return None
     began = time.perf_counter()
-    tree = read_galileo(text, args.files[0])
+    tree = read_galileo(texts[0], args.files[0])
     if not tree.dynamic_elements:
         return None
     _refuse(args, "a dynamic tree", "ties", "export")
@@ -215,9 +215,9 @@ def _dynamic(args: Namespace) -> Entry | None:
     return dynamic_summary(tree, hours, source=args.files[0], read_s=read_s, ties=args.ties)
 
 
-def _events(args: Namespace) -> list[Entry]:
+def _events(args: Namespace, texts: list[bytes]) -> list[Entry]:
     """The entries of the event trees in the files, if there are any."""
-    if not _holds(args, EVENT_TREES):
+    if not _holds(texts, EVENT_TREES):
         return []
     from safety.trees.formats import read_study
 
@@ -247,8 +247,8 @@ def _exported(args: Namespace, tree: FaultTree | Study) -> list[str]:
     return export(args.export, tree)
 
 
-def _holds(args: Namespace, words: tuple[bytes, ...]) -> bool:
-    return any(word in text for text in map(_content, args.files) for word in words)
+def _holds(texts: list[bytes], words: tuple[bytes, ...]) -> bool:
+    return any(word in text for text in texts for word in words)
 
 
 def _content(path: str) -> bytes:

@@ -39,6 +39,7 @@ from fractions import Fraction
 from functools import cached_property
 
 from safety.trees.as_written import TreeError, exact
+from safety.trees.inputs_first import inputs_first
 from safety.trees.tree import BasicEvent, FaultTree, Gate
 
 STATIC = ("and", "or", "vote", "inhibit")
@@ -221,26 +222,7 @@ class DynamicTree:
         return self._inputs_first(gate.name for gate in self.gates)
 
     def _inputs_first(self, roots: Iterable[str]) -> tuple[DynamicGate, ...]:
-        done: dict[str, DynamicGate] = {}
-        path: dict[str, None] = {}
-        agenda = [(root, False) for root in roots][::-1]
-        while agenda:
-            name, leaving = agenda.pop()
-            gate = self.nodes[name]
-            if not isinstance(gate, DynamicGate) or name in done:
-                continue
-            if leaving:
-                del path[name]
-                done[name] = gate
-            elif name in path:
-                opened = list(path)
-                loop = " -> ".join([*opened[opened.index(name) :], name])
-                raise TreeError(f"cycle of gates: {loop}; no gate may be its own cause, break it at one of them", name)
-            else:
-                path[name] = None
-                agenda.append((name, True))
-                agenda.extend((below, False) for below in reversed(gate.inputs))
-        return tuple(done.values())
+        return inputs_first({gate.name: gate for gate in self.gates}, roots, "cycle of gates")
 
     @cached_property
     def below(self) -> Mapping[str, frozenset[str]]:

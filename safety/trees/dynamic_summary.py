@@ -16,9 +16,10 @@ from safety.trees.dynamic_mean import bounded_mean_time
 from safety.trees.dynamic_sequences import LONGEST, cut_sequences
 from safety.trees.dynamic_solve import DynamicSolution, joined_tree, solve_dynamic
 from safety.trees.galileo import to_galileo
+from safety.trees.importance import plain
 from safety.trees.module_diagrams import TooLarge
 from safety.trees.solve import solve
-from safety.trees.summary import LISTED, cut_set_rows, plain
+from safety.trees.summary import LISTED, cut_set_rows
 
 POINTS = 20  # of the curve, evenly spread over the mission time
 MEAN_BUDGET = 20_000  # states of the whole tree as one chain, for the mean time

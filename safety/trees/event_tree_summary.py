@@ -7,8 +7,9 @@ from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
 from safety.trees.event_tree_answers import EventTreeAnswer, Figure, SequenceAnswer, analyse, consequences
+from safety.trees.importance import plain
 from safety.trees.study import expressions_in
-from safety.trees.summary import EXACT_BITS, LISTED, cut_set_rows, plain
+from safety.trees.summary import EXACT_BITS, LISTED, cut_set_rows
 
 if TYPE_CHECKING:
     from safety.trees.study import Phase, Study

@@ -62,3 +62,8 @@ def measures(event: str, q: Any, top: Any, with_event: Any, without_event: Any, 
         risk_achievement_worth=with_event / top,
         risk_reduction_worth=top / without_event if without_event else math.inf,
     )
+
+
+def plain(measures: object) -> dict[str, Any]:
+    """The measures of an event, a gate or a pair by name; an infinite one is the text "inf"."""
+    return {key: "inf" if value == math.inf else value for key, value in vars(measures).items()}

@@ -25,7 +25,7 @@ from __future__ import annotations
 import math
 from array import array
 from collections.abc import Callable, Collection, Iterable, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Any
 
@@ -77,11 +77,6 @@ def importance_of_gates(tree: FaultTree, gates: Iterable[str] | None = None) -> 
         held |= _together(_held, tree, some)
         seen |= _together(_seen, tree, some)
     return {name: _measures(name, top, *held[name], *seen[name]) for name in wanted}
-
-
-def plain(measures: GateImportance) -> dict[str, Any]:
-    """The row of one gate in a results document."""
-    return {key: "inf" if value == math.inf else value for key, value in asdict(measures).items()}
 
 
 def _measures(

@@ -96,9 +96,7 @@ class Families:
             best[module] = family.best(array("d", [worth[variable] for variable in variables]))
             worth[module] = best[module][family.root]
         root = self.members[self.top][0].root
-        ties = itertools.count(
-            0, -1
-        )  # of equal ones the last found, which is nearest to its end; always the same order
+        ties = itertools.count(0, -1)  # of equal ones the last found first: it is the nearest to its end
         heap: list[tuple[float, int, float, float, Any, CutSet]] = []
 
         def push(bound: float, sure: float, todo: Any, chosen: CutSet) -> None:

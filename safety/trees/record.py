@@ -32,6 +32,7 @@ class _Fields:
         ]
         made: Any = dataclasses.make_dataclass(owner.__name__, rows)
         found: dict[str, Any] = made.__dataclass_fields__
+        owner.__dataclass_fields__ = found  # once for each class
         return found
 
 

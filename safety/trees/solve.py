@@ -79,28 +79,21 @@ class Solution:
         error = math.expm1(1.01 * (levels * 2 * HALF_ULP + known))
         low = high = self._chances.occurs[self.parts[-1].number]
         if wide:
-            low, high = (self._top(self._ends(wide, side)) for side in (0, 1))
+            low, high = (self._top(wide, side) for side in (0, 1))
         if self.nodes:  # what falls below the smallest doubles
             slack = 4 * (self.nodes + levels) * SMALLEST
             low, high = low - slack, high + slack
         return max(0.0, low * (1 - error)), min(1.0, high * (1 + error))
 
-    def _ends(self, wide: set[int], side: int) -> tuple[array[float], array[float]]:
-        """The chances of all events, of those in `wide` the lower (or upper) ends for both that it occurs and not."""
+    def _top(self, wide: set[int], side: int) -> float:
+        """The chance of the top where the events in `wide` have the lower (or upper) ends of theirs."""
         assert self._chances is not None
         occurs, fails = array("d", self._chances.occurs), array("d", self._chances.fails)
         for i in wide:
             low, high = self.tree.events[i - 1].enclosure
-            occurs[i], fails[i] = (low, max(0.0, 1 - high)) if side == 0 else (high, 1 - low)
-        return occurs, fails
-
-    def _top(self, chances: tuple[array[float], array[float]]) -> float:
-        """The chance of the top from those of the events by number, in which those of the modules are filled in."""
-        occurs, fails = chances
-        for part in self.parts:
-            edge = array("d", bytes(16 * part.diagram.nodes))
-            part.diagram.chances(*(array("d", [row[n] for n in part.order]) for row in chances), edge)
-            occurs[part.number], fails[part.number] = edge[part.diagram.root], edge[part.diagram.root ^ 1]
+            rest = math.nextafter(1 - high, 0.0) if side == 0 else math.nextafter(1 - low, 1.0)
+            occurs[i], fails[i] = (low, high)[side], rest
+        self._upwards(occurs, fails)
         return occurs[self.parts[-1].number]
 
     @property
@@ -232,16 +225,19 @@ class Solution:
             chance = event.chance
             if chance is not None:
                 occurs[i], fails[i] = chance
+        edges = self._upwards(occurs, fails)
+        return None if any(math.isnan(occurs[i]) for i in self._below) else _Chances(occurs, fails, edges)
+
+    def _upwards(self, occurs: array[float], fails: array[float]) -> list[tuple[array[float], ...]]:
+        """Fill in the chances of the modules by those of the events; see `_Chances.edges`."""
         edges = []
         for part in self.parts:
             levels = [array("d", [row[number] for number in part.order]) for row in (occurs, fails)]
             edge = array("d", bytes(16 * part.diagram.nodes))
             part.diagram.chances(*levels, edge)
-            if math.isnan(sum(levels[0])):
-                return None
             occurs[part.number], fails[part.number] = edge[part.diagram.root], edge[part.diagram.root ^ 1]
             edges.append((*levels, edge))
-        return _Chances(occurs, fails, edges)
+        return edges
 
     def _conditionals(self) -> dict[int, tuple[float, float, float]]:
         """The chance of the top when an event or module is true, when it is false, and the difference of the two.

@@ -7,7 +7,7 @@ import math
 import time
 from fractions import Fraction
 
-from safety.trees.importance import Importance
+from safety.trees.importance import plain
 from safety.trees.json_form import to_document
 from safety.trees.solve import Solution, solve
 from safety.trees.tree import FaultTree
@@ -109,8 +109,3 @@ def cut_set_rows(solution: Solution | Truncated | OfDiagram, listed: int, likeli
         "sets": rows,
         "not_listed": count - len(rows),
     }
-
-
-def plain(measures: Importance) -> dict[str, Any]:
-    """The measures by name; an infinite one is the text "inf"."""
-    return {key: "inf" if value == math.inf else value for key, value in vars(measures).items()}

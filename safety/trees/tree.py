@@ -16,6 +16,7 @@ from fractions import Fraction
 from functools import cached_property
 
 from safety.trees.as_written import TreeError, exact
+from safety.trees.inputs_first import inputs_first
 from safety.trees.record import Record
 
 TYPE_CHECKING = False  # typing itself is not needed to start
@@ -332,31 +333,8 @@ class FaultTree(Record):
         return self._inputs_first([self.top])
 
     def _inputs_first(self, roots: Iterable[str]) -> tuple[Gate, ...]:
-        done: dict[str, Gate] = {}
-        path: dict[str, None] = {}  # gates entered and not yet left, outermost first
         gates = {gate.name: gate for gate in self.gates}
-        agenda = [(root, False) for root in roots][::-1]
-        while agenda:
-            name, leaving = agenda.pop()
-            gate = gates.get(name)
-            if gate is None or name in done:
-                continue
-            if leaving:
-                del path[name]
-                done[name] = gate
-            elif name in path:
-                open_gates = list(path)
-                loop = " -> ".join([*open_gates[open_gates.index(name) :], name])
-                raise TreeError(
-                    f'fault tree "{self.name}" has a cycle: {loop}; no gate may be its own cause, break it at one of '
-                    "them",
-                    name,
-                )
-            else:
-                path[name] = None
-                agenda.append((name, True))
-                agenda.extend((below, False) for below in reversed(gate.inputs) if below in gates and below not in done)
-        return tuple(done.values())
+        return inputs_first(gates, roots, f'fault tree "{self.name}" has a cycle')
 
     def occurs(self, failed: Collection[str]) -> bool:
         """Whether the top event occurs when exactly the basic events in `failed` do: the plain reading of the gates."""

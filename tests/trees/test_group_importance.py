@@ -9,7 +9,8 @@ import pytest
 
 from safety.trees import BasicEvent, FaultTree, Gate, HouseEvent, TreeError, solve
 from safety.trees import importance_of_gates as module
-from safety.trees.importance_of_gates import importance_of_gates, plain
+from safety.trees.importance import plain
+from safety.trees.importance_of_gates import importance_of_gates
 from safety.trees.joint_importance import differential_importance, joint_importance
 from tests.trees.brute import Truth
 from tests.trees.random_trees import random_tree
