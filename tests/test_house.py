@@ -177,20 +177,42 @@ def test_an_arrow_along_the_direction_is_free(tmp_path: Path, place: str, source
 
 START = """
 import json, sys
+before = set(sys.modules)
 from safety.commands import main
 try:
-    code = main(["--help"])
+    code = main(sys.argv[1:])
 except SystemExit as end:
     code = end.code
-print(json.dumps([code or 0, sorted(name for name in sys.modules if "." not in name)]))
+print(json.dumps([code or 0, sorted({name.partition(".")[0] for name in set(sys.modules) - before})]))
 """
 
 
+def started(*words: str) -> tuple[int, set[str]]:
+    """The exit code of a command, and the packages and modules that it has loaded."""
+    ended = subprocess.run([sys.executable, "-c", START, *words], cwd=ROOT, capture_output=True, text=True)
+    assert ended.returncode == 0, ended.stderr
+    code, loaded = json.loads(ended.stdout.splitlines()[-1])
+    return code, set(loaded)
+
+
 def test_help_starts_without_solvers_and_numerics() -> None:
-    started = subprocess.run([sys.executable, "-c", START], cwd=ROOT, capture_output=True, text=True)
-    assert started.returncode == 0, started.stderr
-    code, loaded = json.loads(started.stdout.splitlines()[-1])
-    assert (code, HEAVY & set(loaded)) == (0, set())
+    code, loaded = started("--help")
+    assert (code, HEAVY & loaded) == (0, set())
+
+
+def test_a_tree_file_is_solved_by_the_standard_library_and_the_kernel_alone(tmp_path: Path) -> None:
+    """And by nothing of the standard library that takes longer to import than a small tree to solve."""
+    (tmp_path / "t.xml").write_text(
+        '<opsa-mef><define-fault-tree name="t"><define-gate name="top"><or><basic-event name="a"/>'
+        '<basic-event name="b"/></or></define-gate><define-basic-event name="a"><float value="0.1"/>'
+        '</define-basic-event><define-basic-event name="b"/></define-fault-tree></opsa-mef>',
+        encoding="utf-8",
+    )
+    code, loaded = started("tree", str(tmp_path / "t.xml"), "--json", str(tmp_path / "out.json"))
+    kernel = {name for name in loaded if re.fullmatch(r"_\w+_c|_?[cC]ython\w*", name)}  # and what Cython brings along
+    assert (code, loaded - sys.stdlib_module_names - kernel) == (0, {"safety"})
+    if any(name.endswith("_c") for name in kernel):  # where the kernel is interpreted, Cython loads some of these
+        assert not loaded & {"dataclasses", "inspect", "pathlib", "shutil", "tempfile", "typing"}
 
 
 def test_no_file_is_named_like_one_of_the_scanner_that_shares_our_package_name() -> None:

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from fractions import Fraction
-from typing import TYPE_CHECKING
 
 from safety.trees.importance import Importance, measures
 from safety.trees.tree import FaultTree
 
+TYPE_CHECKING = False  # typing itself is not needed to start
 if TYPE_CHECKING:
     from safety.trees.module_diagrams import Part
 
