@@ -98,6 +98,10 @@ def run(args: Namespace) -> int:
         entries, code = session.results.get("trees", []), session.code
     if args.json != "-":
         data("\n\n".join(told(entry) for entry in entries if entry.get("structure") or "sequences" in entry))
+    if args.files and args.json:
+        from safety.commands.tree_files import write_entries
+
+        write_entries(entries, args.json)
     if args.svg:
         _draw(args.svg, entries)
     return code

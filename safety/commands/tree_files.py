@@ -39,7 +39,7 @@ EXTRAS = (  # options that add to what a tree's entry always holds
 
 
 def solve_files(args: Namespace) -> tuple[list[Entry], int]:
-    """The entries for the files, written as JSON where asked; and the exit code."""
+    """The entries for the files, and the exit code."""
     if args.keyword or args.req or args.lf or args.settings:
         raise CommandError("-k, --req, --lf and --set choose among a project's hazards; leave them out with a FILE")
     for option, given in (("--timeout", args.timeout), ("-j", args.jobs), ("-x", args.first)):
@@ -58,18 +58,22 @@ def solve_files(args: Namespace) -> tuple[list[Entry], int]:
         entries = _events(args, texts) or _phases(args, texts) or [_dynamic(args, texts) or _static(args)]
     except TreeError as error:
         raise error if any(file in str(error) for file in args.files) else error.at(", ".join(args.files)) from None
-    results: dict[str, Any] = {"schema": "rightside/1", "tool": {"rightside": VERSION}}
-    for entry in entries:
-        results.setdefault("event_trees" if "sequences" in entry else "trees", []).append(entry)
-    if args.json == "-":
-        data(dumps(results).rstrip("\n"))
-    elif args.json:
-        write_text(args.json, dumps(results))
     if any(entry.get("errors") for entry in entries):
         return entries, INPUT_ERROR
     if any(entry.get("wrong") for entry in entries):
         return entries, NOT_AS_ASKED
     return entries, WEAKER if any(entry.get("note") for entry in entries) else 0
+
+
+def write_entries(entries: list[Entry], target: str) -> None:
+    """Write them as a results document, to a file or, for `-`, to stdout. Raises OSError."""
+    results: dict[str, Any] = {"schema": "rightside/1", "tool": {"rightside": VERSION}}
+    for entry in entries:
+        results.setdefault("event_trees" if "sequences" in entry else "trees", []).append(entry)
+    if target == "-":
+        data(dumps(results).rstrip("\n"))
+    else:
+        write_text(target, dumps(results))
 
 
 def _static(args: Namespace) -> Entry:

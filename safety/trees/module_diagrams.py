@@ -25,6 +25,10 @@ class TooLarge(RuntimeError):
     exit_code = 3
 
 
+def pulse() -> None:
+    """Called by compiled code now and then: on the way here the interpreter looks at signals."""
+
+
 class Part(Record):
     """One module: its number, the numbers of its variables by level (events, inner modules), and its diagram."""
 
@@ -103,4 +107,4 @@ class Parts:
                 return builder, -1
         for number, constant in self.constants.items():
             edge_of[number] = constant
-        return builder, builder.build(self.graph, gates, edge_of)
+        return builder, builder.build(self.graph, gates, edge_of, pulse)

@@ -14,7 +14,7 @@ from safety.trees.flatten import flatten
 from safety.trees.importance import Importance, measures
 from safety.trees.kernel.flat import FlatGraph
 from safety.trees.listing import Families
-from safety.trees.module_diagrams import BUDGETS, Part, Parts, TooLarge
+from safety.trees.module_diagrams import BUDGETS, Part, Parts, TooLarge, pulse
 from safety.trees.record import Record
 from safety.trees.recursion import deeply
 from safety.trees.tree import HALF_ULP, FaultTree
@@ -273,7 +273,7 @@ class Solution:
             diagram = part.diagram
             family = deeply(
                 len(part.order),
-                lambda d=diagram: families.Family(d.level, d.high, d.low, d.root, FAMILY_BUDGET, _pulse),  # type: ignore[misc]
+                lambda d=diagram: families.Family(d.level, d.high, d.low, d.root, FAMILY_BUDGET, pulse),  # type: ignore[misc]
             )
             if family.full:
                 raise TooLarge(
@@ -301,10 +301,6 @@ class _Chunk(Record):
     samples: int
     width: int
     chance: array[float]
-
-
-def _pulse() -> None:
-    """Called by compiled code now and then: on the way here the interpreter looks at signals."""
 
 
 def _doubles(columns: Any) -> memoryview[float]:

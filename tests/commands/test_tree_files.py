@@ -347,3 +347,10 @@ def test_a_changed_name_in_a_certificate_is_rejected(run: Run, project: Path) ->
     (project / "c.json").write_text((project / "c.json").read_text().replace('"pumps"', '"brakes"'))
     called = run("check", "c.json")
     assert called.code == 1 and "the sha256 of tree is not that of its content" in called.err
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="this system has no device that is always full")
+def test_what_was_found_is_shown_even_where_the_disk_is_full(run: Run) -> None:
+    called = run("tree", "pumps.json", "--hours", "10", "--json", "/dev/full")
+    assert called.code == 2
+    assert "probability 2.97007 × 10⁻⁴" in called.out and "/dev/full: No space left on device" in called.err

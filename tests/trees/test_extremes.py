@@ -87,6 +87,16 @@ def test_compiled_work_on_cut_sets_lets_signals_in():
         families.Family(whole.level, whole.high, whole.low, whole.root, 10**7, pulse)
 
 
+@pytest.mark.parametrize("interpreted", [False, True])
+def test_compiled_work_on_diagrams_lets_signals_in(interpreted, monkeypatch):
+    def pulse():
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("safety.trees.module_diagrams.pulse", pulse)
+    with pytest.raises(KeyboardInterrupt):
+        solve(vote(2, 5, "0.1"), interpreted=interpreted)
+
+
 def test_a_chain_deeper_than_any_stack():
     depth = 6000
     gates = [Gate("g1", "and", ("e0", "e1"))]

@@ -277,10 +277,11 @@ class Builder:
                 return -1
         return result
 
-    def build(self, flat, gates: cython.int[::1], edge_of: cython.int[::1]):
+    def build(self, flat, gates: cython.int[::1], edge_of: cython.int[::1], pulse=None):
         """The edge of the last of `gates` (indices in `flat`, inputs first), or -1 when the budget is used up.
 
         `edge_of` holds the edge of every variable, module and constant below, by index; that of each gate is entered.
+        `pulse` is called before each gate; what it raises ends the work.
         """
         kind: cython.int[::1] = flat.kind
         votes: cython.int[::1] = flat.k
@@ -298,6 +299,8 @@ class Builder:
         edges: cython.int[::1] = array("i", bytes(4 * (widest + 1)))
         counts: cython.int[::1] = array("i", bytes(4 * (widest + 1)))
         for i in range(len(gates)):
+            if pulse is not None:
+                pulse()
             self.done = i
             g = gates[i] - first
             for j in range(start[g], start[g + 1]):
