@@ -24,10 +24,16 @@ class LocalCluster:
     def __init__(self, root: Path, workers: int = 2, without: str = "") -> None:
         self.root, self.file, self.without = root, root / "scheduler.json", without
         self.scheduler = self._start("dask_scheduler", "--port", "0")
-        self.workers = [self._start("dask_worker", "--no-nanny", "--nthreads", "1") for _ in range(workers)]
+        self.workers: list[subprocess.Popen[bytes]] = []
+        for _ in range(workers):
+            self.join()
         timer.until(lambda: self.file.exists() and self.file.read_text())
         address = json.loads(self.file.read_text())["address"]
         self.address = address.replace("tcp://", "dask://")
+
+    def join(self) -> None:
+        """One more worker."""
+        self.workers.append(self._start("dask_worker", "--no-nanny", "--nthreads", "1"))
 
     def _start(self, what: str, *options: str) -> subprocess.Popen[bytes]:
         path = {"PYTHONPATH": str(self.root / "bare")} if what == self.without else {}
@@ -85,17 +91,26 @@ def test_a_cluster_survives_its_workers_and_a_campaign_its_cluster(root: Path, c
     assert timer.files(timer.whole(root, root / "store").folder) == whole, "and the rest is made elsewhere"
 
 
-@pytest.mark.parametrize(("without", "named"), [("dask_scheduler", "the scheduler"), ("dask_worker", "the worker")])
-def test_a_machine_without_the_package_is_named(root: Path, without: str, named: str) -> None:
+@pytest.fixture
+def bare(root: Path) -> Path:
+    """What stands before the package that is installed."""
     (root / "bare/safety").mkdir(parents=True)
-    (root / "bare/safety/__init__.py").write_text("")  # stands before the one that is installed
-    there = LocalCluster(root, workers=1, without=without)
-    late = threading.Timer(120, there.end)  # a worker that dies by itself is waited for, as another may come
-    late.start()
+    (root / "bare/safety/__init__.py").write_text("")
+    return root
+
+
+@pytest.mark.parametrize(
+    ("without", "named", "late_s"),
+    [("dask_scheduler", "the scheduler", 0), ("dask_worker", "the worker", 0), ("dask_worker", "the worker", 2)],
+)
+def test_a_machine_without_the_package_is_named(bare: Path, without: str, named: str, late_s: int) -> None:
+    there = LocalCluster(bare, workers=0, without=without)
+    joins = threading.Timer(late_s, there.join)
+    joins.start()
     try:
         with pytest.raises(StoreError, match=f"{named} .* does not find the package safety of rightside") as caught:
-            run(root, there, lambda: None)
+            run(bare, there, lambda: None)
         assert caught.value.exit_code == 2
     finally:
-        late.cancel()
+        joins.join()
         there.end()

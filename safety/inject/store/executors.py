@@ -8,9 +8,11 @@ from __future__ import annotations
 import contextlib
 import logging
 import os
+import pickle
 import socket
 from collections.abc import Callable, Iterator
 from concurrent.futures import Executor, Future
+from functools import partial
 from importlib.util import find_spec
 from typing import Any, ParamSpec, TypeVar
 
@@ -80,34 +82,22 @@ class Cluster(Executor):
                 f"{address}: no scheduler answers ({error}); start one with `dask scheduler`, or correct the address"
             ) from None
         self._executor = self._client.get_executor(pure=False)
-        self._able: set[str] = set()  # addresses of workers
-        try:
-            _check(f"the scheduler {address}", answer)
-        except StoreError:
+        if answer is None or isinstance(answer, ImportError):
             self.shutdown()
-            raise
+            raise _not_found(f"the scheduler {address}", answer)
 
     @property
     def workers(self) -> int:
-        """Threads of all workers; 1 while there is none yet, so that something waits for the first.
-
-        Raises `StoreError` for a worker without this package: given something to do, it would leave without a word.
-        """
+        """Threads of all workers; 1 while there is none yet, so that something waits for the first."""
         with _there():
-            threads = self._client.nthreads()
-            if new := threads.keys() - self._able:
-                answers = self._client.run(find_spec, NEEDED, workers=list(new), on_error="return")
-                for address in new:
-                    _check(f"the worker {address}", answers[address])
-                self._able |= new
-            return sum(threads.values()) or 1
+            return sum(self._client.nthreads().values()) or 1
 
     def submit(self, function: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> Future[T]:
-        """Have some worker call the function."""
+        """Have some worker call the function; the future raises `StoreError` for a worker without this package."""
         future: Future[T] = Future()
         future.set_running_or_notify_cancel()
         with _there():
-            theirs = self._executor.submit(function, *args, **kwargs)
+            theirs = self._executor.submit(_unpacked_there(partial(function, *args, **kwargs)))
         theirs.add_done_callback(lambda done: _hand_on(done, future))
         return future
 
@@ -118,13 +108,31 @@ class Cluster(Executor):
             self._client.close()
 
 
-def _check(machine: str, answer: object) -> None:
-    if answer is None or isinstance(answer, ImportError):
-        why = f" ({answer})" if answer else ""
-        raise StoreError(
-            f"{machine} does not find the package safety of rightside{why}: install the same release there, or put it "
-            "on its PYTHONPATH, and start it again"
-        )
+def _unpacked_there(call: Callable[[], T]) -> Callable[[], T]:
+    """The call in a form that any worker takes, at whatever time it joins, one without this package too.
+
+    Handed the call itself, that one would leave the cluster without a word.  Here it raises `ImportError` of the name
+    `NEEDED`, with its address as the path.
+    """
+    packed = pickle.dumps(call)
+
+    def unpacked() -> T:  # goes by value, as there is no name to import it by
+        try:
+            work: Callable[[], T] = pickle.loads(packed)
+        except ImportError as error:
+            from distributed import get_worker
+
+            raise ImportError(str(error), name=NEEDED, path=get_worker().address) from None
+        return work()
+
+    return unpacked
+
+
+def _not_found(machine: str, why: ImportError | None = None) -> StoreError:
+    return StoreError(
+        f"{machine} does not find the package safety of rightside{f' ({why})' if why else ''}: install the same "
+        "release there, or put it on its PYTHONPATH, and start it again"
+    )
 
 
 @contextlib.contextmanager
@@ -141,6 +149,8 @@ def _hand_on(theirs: Future[Any], ours: Future[Any]) -> None:
         ours.set_exception(GoneError("the cluster has dropped what it had in hand"))
     elif type(error).__name__ == "KilledWorker":
         ours.set_exception(WorkerDiedError(str(error)))
+    elif isinstance(error, ImportError) and error.name == NEEDED:
+        ours.set_exception(_not_found(f"the worker {error.path}", error))
     elif error is not None:
         ours.set_exception(error)
     else:
