@@ -82,7 +82,7 @@ def _refusal(tree: FaultTree) -> Callable[[], Entry]:
 
 def export(paths: list[str], tree: FaultTree | Study) -> list[str]:
     """Write the tree in other formats, for which it need not be solved; the errors."""
-    from safety.trees.formats import write
+    from safety.trees.formats.files import write
 
     assumed, errors = sum(event.source == "A" for event in tree.events), []
     for path in paths:
@@ -99,14 +99,14 @@ def export(paths: list[str], tree: FaultTree | Study) -> list[str]:
 
 
 def _gates(tree: FaultTree) -> Entry:
-    from safety.trees.importance import plain
-    from safety.trees.importance_of_gates import importance_of_gates
+    from safety.trees.importance.events import plain
+    from safety.trees.importance.gates import importance_of_gates
 
     return {"gate_importance": [plain(one) for one in importance_of_gates(tree).values()]}
 
 
 def _sensitivity(solution: Solution) -> Entry:
-    from safety.trees import sensitivity
+    from safety.trees.uncertainty import sensitivity
 
     return {"sensitivity": sensitivity.fields(solution)}
 
@@ -123,7 +123,7 @@ def _certificate(args: Namespace, solution: Solution) -> Entry:
 def _primes(solution: Solution, listed: int) -> Entry:
     from itertools import islice
 
-    from safety.trees.prime_implicants import PrimeImplicants
+    from safety.trees.cut_sets.prime_implicants import PrimeImplicants
 
     primes = PrimeImplicants(solution)
     return {
@@ -136,7 +136,7 @@ def _primes(solution: Solution, listed: int) -> Entry:
 
 
 def _joint(solution: Solution) -> Entry:
-    from safety.trees.joint_importance import differential_importance, joint_importance
+    from safety.trees.importance.joint import differential_importance, joint_importance
 
     pairs = sorted(joint_importance(solution), key=lambda one: -abs(one.joint))
     return {
@@ -147,9 +147,9 @@ def _joint(solution: Solution) -> Entry:
 
 
 def _uncertainty(args: Namespace, solution: Solution) -> Entry:
-    from safety.trees import uncertainty
-    from safety.trees.correlation import read_correlation
-    from safety.trees.sampling import Plan
+    from safety.trees.uncertainty import propagation as uncertainty
+    from safety.trees.uncertainty.correlation import read_correlation
+    from safety.trees.uncertainty.sampling import Plan
 
     correlation = read_correlation(args.correlation) if args.correlation else None
     plan = Plan(args.uncertainty, 1 if args.seed is None else args.seed, args.lhs, correlation=correlation)
@@ -159,15 +159,15 @@ def _uncertainty(args: Namespace, solution: Solution) -> Entry:
 
 
 def _curve(args: Namespace, tree: FaultTree) -> Entry:
-    from safety.trees.mission import Mission
+    from safety.trees.over_time.mission import Mission
 
     return {"curve": Mission(tree, args.hours).curve(args.curve).plain()}
 
 
 def _averages(args: Namespace, tree: FaultTree) -> Entry:
-    from safety.trees.averages import averages
-    from safety.trees.mean_time import mean_time_to_failure
-    from safety.trees.mission import Mission
+    from safety.trees.over_time.averages import averages
+    from safety.trees.over_time.mean_time import mean_time_to_failure
+    from safety.trees.over_time.mission import Mission
 
     found: Entry = {"averages": averages(Mission(tree, args.hours)).plain()}
     try:
@@ -180,7 +180,7 @@ def _averages(args: Namespace, tree: FaultTree) -> Entry:
 def _target(solution: Solution, text: str, listed: list[Entry]) -> Entry:
     from dataclasses import asdict
 
-    from safety.trees.targets import meets
+    from safety.trees.uncertainty.targets import meets
 
     name, equals, goal = text.rpartition("=")
     if not (equals and name):

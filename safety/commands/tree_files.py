@@ -13,7 +13,7 @@ from safety.commands.output import data, probe
 from safety.commands.versions import VERSION
 from safety.report.files import dumps, write_text
 from safety.trees.as_written import TreeError, exact
-from safety.trees.formats import LARGEST, read
+from safety.trees.formats.files import LARGEST, read
 from safety.trees.module_diagrams import TooLarge
 from safety.trees.solve import solve
 from safety.trees.summary import LISTED, cut_set_rows, entry_of
@@ -24,9 +24,9 @@ if TYPE_CHECKING:
     from typing import Any
 
     from safety.report.schema import Entry
-    from safety.trees.enclosures import Enclosed
+    from safety.trees.cut_sets.enclosures import Enclosed
+    from safety.trees.cut_sets.truncated import Truncated
     from safety.trees.study import Study
-    from safety.trees.truncated import Truncated
 
 NOT_AS_ASKED, INPUT_ERROR, WEAKER = 1, 2, 4
 QUICKLY_EXACT = 30  # nodes of a diagram that is evaluated in rationals unasked
@@ -86,7 +86,7 @@ def _phases(args: Namespace, texts: list[bytes]) -> list[Entry]:
     """An entry for each phase of the alignments in the files, if there are any."""
     if not _holds(texts, PHASES):
         return []
-    from safety.trees.formats import read_study
+    from safety.trees.formats.files import read_study
 
     study = read_study(*args.files, mission_time_h=args.hours)
     if not study.alignments:
@@ -122,7 +122,7 @@ def _solved(args: Namespace, tree: FaultTree, read_s: float | None, errors: list
         return _enclosed(args, tree, read_s, why) | ({"errors": errors} if errors else {})
     known, within = solution.probability is not None, None
     if args.order is not None or args.above is not None:
-        from safety.trees.truncated import limited
+        from safety.trees.cut_sets.truncated import limited
 
         within = limited(solution, args.order, args.above)
     entry = entry_of(
@@ -139,8 +139,8 @@ def _solved(args: Namespace, tree: FaultTree, read_s: float | None, errors: list
 
 def _enclosed(args: Namespace, tree: FaultTree, read_s: float | None, why: TooLarge) -> Entry:
     """The entry of a tree that no diagram fits: certified bounds of its probability."""
-    from safety.trees.enclosures import enclose
-    from safety.trees.json_form import to_document
+    from safety.trees.cut_sets.enclosures import enclose
+    from safety.trees.formats.json_form import to_document
 
     began = time.perf_counter()
     for name, default in _options().items():
@@ -174,7 +174,7 @@ def _enclosed(args: Namespace, tree: FaultTree, read_s: float | None, why: TooLa
 
 def _within(args: Namespace, tree: FaultTree) -> Truncated | None:
     """The cut sets within the limits asked for, or up to the largest order that is quickly had, if there is one."""
-    from safety.trees.truncated import largest_order, truncated
+    from safety.trees.cut_sets.truncated import largest_order, truncated
 
     if args.order is not None or args.above is not None:
         try:
@@ -197,7 +197,7 @@ def _dynamic(args: Namespace, texts: list[bytes]) -> Entry | None:
     """The entry of a Galileo file with dynamic gates; None for any other."""
     if len(texts) > 1 or b"toplevel" not in texts[0]:
         return None
-    from safety.trees.galileo import is_galileo, read_galileo
+    from safety.trees.formats.galileo import is_galileo, read_galileo
 
     if not is_galileo(texts[0]):
         return None
@@ -209,10 +209,10 @@ def _dynamic(args: Namespace, texts: list[bytes]) -> Entry | None:
     for path in args.export:
         if not path.lower().endswith(".dft"):
             raise CommandError(f"--export {path}: {args.files[0]} holds a dynamic tree, which only .dft can hold")
-        from safety.trees.galileo import to_galileo
+        from safety.trees.formats.galileo import to_galileo
 
         write_text(path, to_galileo(tree))
-    from safety.trees.dynamic_summary import dynamic_summary
+    from safety.trees.dynamic.summary import dynamic_summary
 
     hours: Fraction | None = None if args.hours is None else exact(args.hours, "--hours")
     read_s = time.perf_counter() - began
@@ -223,7 +223,7 @@ def _events(args: Namespace, texts: list[bytes]) -> list[Entry]:
     """The entries of the event trees in the files, if there are any."""
     if not _holds(texts, EVENT_TREES):
         return []
-    from safety.trees.formats import read_study
+    from safety.trees.formats.files import read_study
 
     study = read_study(*args.files, mission_time_h=args.hours)
     if not study.event_trees or (args.top and study.alignments):
@@ -236,7 +236,7 @@ def _events(args: Namespace, texts: list[bytes]) -> list[Entry]:
         raise CommandError(f"--svg draws a fault tree, and {files} holds event trees; choose a gate with --top")
     if not any(one.event_tree for one in study.initiating_events):
         raise CommandError(f"{files}: no initiating event begins an event tree; define one, or give --top GATE")
-    from safety.trees.event_tree_summary import event_tree_entries
+    from safety.trees.event_trees.summary import event_tree_entries
 
     errors = _exported(args, study)
     entries = event_tree_entries(study, source=files)

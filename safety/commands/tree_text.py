@@ -234,7 +234,7 @@ EXTRAS: dict[str, Callable[[Any, str], list[str]]] = {
 
 
 def _dynamic(entry: Entry) -> str:
-    from safety.trees.dynamic_summary import dynamic_lines
+    from safety.trees.dynamic.summary import dynamic_lines
 
     head = f"{entry['id']}\n{counted(entry['gates'], 'gate')}, {counted(entry['basic_events'], 'basic event')}"
     timed = entry["dynamic"]["mission_time_h"] is not None

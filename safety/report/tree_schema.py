@@ -74,9 +74,9 @@ class Tree(TypedDict, total=False):
     complete_to_order: int | None  # of these
     complete_at_all_orders: bool
     faults_listed: int  # of the hazard: what "all orders" is about
-    structure: dict[str, Any]  # the tree itself, in the fault-tree format of safety.trees.json_form
-    uncertainty: dict[str, Any]  # of the probability, sampled: see safety.trees.uncertainty.fields
-    sensitivity: dict[str, Any]  # see safety.trees.sensitivity.fields
+    structure: dict[str, Any]  # the tree itself, in the fault-tree format of safety.trees.formats.json_form
+    uncertainty: dict[str, Any]  # of the probability, sampled: see safety.trees.uncertainty.propagation.fields
+    sensitivity: dict[str, Any]  # see safety.trees.uncertainty.sensitivity.fields
     errors: list[str]  # of options that could not be carried out
     as_expected: bool
     seconds: Any

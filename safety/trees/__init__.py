@@ -1,9 +1,9 @@
 """Fault trees: the tree, its formats, its exact solution. Usable without any model of equipment."""
 
 from safety.trees.as_written import TreeError
-from safety.trees.formats import read, write
-from safety.trees.from_cut_sets import from_cut_sets
-from safety.trees.json_form import to_document
+from safety.trees.drawn.from_cut_sets import from_cut_sets
+from safety.trees.formats.files import read, write
+from safety.trees.formats.json_form import to_document
 from safety.trees.module_diagrams import TooLarge
 from safety.trees.solve import Solution, solve
 from safety.trees.summary import summary

@@ -34,7 +34,7 @@ from safety.trees.as_written import Rational, TreeError, exact
 from safety.trees.tree import DISAGREEMENT, BasicEvent, FaultTree, Gate
 
 if TYPE_CHECKING:
-    from safety.trees.expressions import Expression
+    from safety.trees.expressions.expression import Expression
 
 FIRST_LEVEL = {"beta-factor": None, "MGL": 2, "alpha-factor": 1, "phi-factor": 1}  # None: only that of all members
 TESTING = ("non-staggered", "staggered")
@@ -105,7 +105,7 @@ class CcfGroup:
 
     def _shared(self, expression: Expression, what: str) -> Expression:
         """Distributions are drawn once a sample wherever they stand only below a parameter."""
-        from safety.trees.expressions import Parameter
+        from safety.trees.expressions.expression import Parameter
 
         if isinstance(expression, Parameter) or all(part.is_certain for part in expression.below()):
             return expression
@@ -137,7 +137,7 @@ class CcfGroup:
         factors: dict[int, Any] = dict(self.factors)
         one: Any = Fraction(1)
         if any(map(is_expression, factors.values())):
-            from safety.trees.expressions import Constant
+            from safety.trees.expressions.expression import Constant
 
             one = Constant(1)
             factors = {k: f if is_expression(f) else Constant(f) for k, f in factors.items()}
@@ -229,8 +229,8 @@ def _of_the_mission(event: BasicEvent, mission_time_h: Fraction | None) -> Basic
     """The same event; a rate over the mission becomes an expression, whose shares follow the time as well."""
     if event.probability is not None or event.rate_per_hour is None or event.mission_time_h != mission_time_h:
         return event
-    from safety.trees.expressions import MissionTime
-    from safety.trees.lifetimes import Exponential
+    from safety.trees.expressions.expression import MissionTime
+    from safety.trees.expressions.lifetimes import Exponential
 
     law = Exponential(event.rate_per_hour, MissionTime())
     return event.changed(rate_per_hour=None, expression=law)
@@ -288,7 +288,7 @@ def _scaled(total: BasicEvent, share: Fraction | Expression) -> BasicEvent:
     formula = total.formula
     if formula is None:
         return total
-    from safety.trees.expressions import Constant
+    from safety.trees.expressions.expression import Constant
 
     factor = Constant(share) if isinstance(share, Fraction) else share
     return BasicEvent(total.name, mission_time_h=total.mission_time_h, expression=factor * formula)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from fractions import Fraction
 
-from safety.trees.importance import Importance, measures
+from safety.trees.importance.events import Importance, measures
 from safety.trees.tree import FaultTree
 
 TYPE_CHECKING = False  # typing itself is not needed to start

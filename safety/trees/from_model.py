@@ -24,9 +24,9 @@ from safety.prove.problem import build_problem
 from safety.prove.record import cut_set_entry
 from safety.system import ModelError, nearest
 from safety.trees.as_written import exact
-from safety.trees.from_cut_sets import from_cut_sets
-from safety.trees.importance import plain
-from safety.trees.importance_of_gates import importance_of_gates
+from safety.trees.drawn.from_cut_sets import from_cut_sets
+from safety.trees.importance.events import plain
+from safety.trees.importance.gates import importance_of_gates
 from safety.trees.solve import solve
 from safety.trees.summary import summary
 from safety.trees.tree import TAGS, BasicEvent, FaultTree

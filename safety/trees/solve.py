@@ -10,10 +10,10 @@ from functools import cached_property
 
 from safety.trees import kernel
 from safety.trees.as_written import TreeError
+from safety.trees.cut_sets.listing import Families
 from safety.trees.flatten import flatten
-from safety.trees.importance import Importance, measures
+from safety.trees.importance.events import Importance, measures
 from safety.trees.kernel.flat import FlatGraph
-from safety.trees.listing import Families
 from safety.trees.module_diagrams import BUDGETS, Part, Parts, TooLarge, pulse
 from safety.trees.record import Record
 from safety.trees.recursion import deeply

@@ -12,14 +12,14 @@ from functools import cached_property
 from typing import TYPE_CHECKING, cast
 
 from safety.trees.as_written import TreeError, exact
-from safety.trees.draft import only_root, roots
+from safety.trees.formats.draft import only_root, roots
 from safety.trees.substitutions import Substitution, exchanged, stated
 from safety.trees.tree import BasicEvent, FaultTree, Gate, HouseEvent, Node
 
 if TYPE_CHECKING:
     from safety.trees.common_cause import CcfGroup
-    from safety.trees.event_trees import EventTree, InitiatingEvent
-    from safety.trees.expressions import Expression, Parameter
+    from safety.trees.event_trees.definitions import EventTree, InitiatingEvent
+    from safety.trees.expressions.expression import Expression, Parameter
 
 
 ROUNDING = Fraction(1, 10**9)  # by which time fractions as printed may miss 1

@@ -77,7 +77,7 @@ def exchanged(tree: FaultTree, substitutions: Iterable[Substitution]) -> FaultTr
 
     Raises TreeError for a tree with negations, whose cut sets do not determine its function.
     """
-    from safety.trees.from_cut_sets import from_cut_sets
+    from safety.trees.drawn.from_cut_sets import from_cut_sets
     from safety.trees.solve import solve
 
     if negated := [gate.name for gate in tree.inputs_first if gate.kind in ("not", "xor")]:

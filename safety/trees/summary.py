@@ -7,8 +7,8 @@ import math
 import time
 from fractions import Fraction
 
-from safety.trees.importance import plain
-from safety.trees.json_form import to_document
+from safety.trees.formats.json_form import to_document
+from safety.trees.importance.events import plain
 from safety.trees.solve import Solution, solve
 from safety.trees.tree import FaultTree
 
@@ -16,7 +16,7 @@ TYPE_CHECKING = False  # typing itself is not needed to start
 if TYPE_CHECKING:
     from typing import Any
 
-    from safety.trees.truncated import OfDiagram, Truncated
+    from safety.trees.cut_sets.truncated import OfDiagram, Truncated
 
 EXACT_NODES = 20_000  # largest diagram whose exact rational is computed unasked
 EXACT_BITS = 13_000  # longest denominator written out, about 3,900 digits

@@ -21,7 +21,7 @@ from safety.trees.record import Record
 
 TYPE_CHECKING = False  # typing itself is not needed to start
 if TYPE_CHECKING:
-    from safety.trees.expressions import Expression
+    from safety.trees.expressions.expression import Expression
 
 KINDS = ("and", "or", "vote", "not", "xor")
 TAGS = {"P": "printed", "D": "derived", "A": "assumed", "R": "reconstructed", "": "untagged"}
@@ -111,8 +111,8 @@ class BasicEvent(Record):
     @property
     def formula(self) -> Expression | None:
         """What gives its probability, as an expression; None if it is unknown."""
-        from safety.trees.expressions import Constant
-        from safety.trees.lifetimes import Exponential
+        from safety.trees.expressions.expression import Constant
+        from safety.trees.expressions.lifetimes import Exponential
 
         if self.expression is not None:
             return self.expression

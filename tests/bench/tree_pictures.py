@@ -23,7 +23,7 @@ from typing import Any
 from safety.commands.table import table
 from safety.report.tree_svg import tree_svg
 from safety.trees import BasicEvent, FaultTree, Gate, read, to_document
-from safety.trees.dot import to_dot
+from safety.trees.formats.dot import to_dot
 from tests.bench.machine import described
 
 ROUNDS = 5

@@ -27,14 +27,14 @@ from tests.oracles import SHARED
 OURS = """
 import json, sys
 from safety.trees import read, solve
-from safety.trees.uncertainty import Plan, propagate
+from safety.trees.uncertainty.propagation import Plan, propagate
 found = propagate(solve(read(sys.argv[1])), Plan(int(sys.argv[2])))
 print(json.dumps([found.mean, found.standard_error]))
 """
 PASSES = """
 import json, sys, time
 from safety.trees import read, solve
-from safety.trees.sampling import Draws, Plan, probabilities, variables
+from safety.trees.uncertainty.sampling import Draws, Plan, probabilities, variables
 tree, samples = read(sys.argv[1]), int(sys.argv[2])
 solution, passes = solve(tree), []
 uniforms = Plan(samples).uniforms(sorted(variables(tree)))

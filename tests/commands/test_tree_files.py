@@ -289,7 +289,7 @@ def test_pictures_of_several_trees_are_refused_before_solving(
     run: Run, monkeypatch: pytest.MonkeyPatch, name: str, said: str
 ) -> None:
     monkeypatch.setattr("safety.commands.tree_files.solve", lambda tree: pytest.fail("solved"))
-    monkeypatch.setattr("safety.trees.event_tree_answers.solve", lambda tree: pytest.fail("solved"))
+    monkeypatch.setattr("safety.trees.event_trees.answers.solve", lambda tree: pytest.fail("solved"))
     called = run("tree", name, "--svg", "a.svg")
     assert called.code == 2 and said in called.err and not Path("a.svg").exists()
 

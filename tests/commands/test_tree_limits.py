@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from safety.commands import main, tree_files
-from safety.trees import truncated
+from safety.trees.cut_sets import truncated
 from safety.trees.module_diagrams import TooLarge
 
 TWO_OF_FOUR = {

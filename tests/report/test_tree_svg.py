@@ -16,8 +16,8 @@ from safety.report.tree_shapes import SHAPES
 from safety.report.tree_svg import tree_pages, tree_svg
 from safety.report.tree_text import power_of_ten
 from safety.trees import BasicEvent, FaultTree, Gate, HouseEvent, read, summary, to_document
-from safety.trees.importance import plain
-from safety.trees.importance_of_gates import importance_of_gates
+from safety.trees.importance.events import plain
+from safety.trees.importance.gates import importance_of_gates
 from tests.oracles import SHARED
 from tests.report.drawn_tree import SVG, Picture, problems
 from tests.report.drawn_tree import read as read_picture

@@ -15,12 +15,13 @@ from safety.report.html import html
 from safety.report.numbers import number
 from safety.report.results import ResultsError
 from safety.report.uncertainty_svg import SHOWN, distribution_svg, tornado_svg
-from safety.trees import sensitivity, uncertainty
-from safety.trees.distributions import Lognormal
-from safety.trees.expressions import Parameter
-from safety.trees.sampling import Plan
+from safety.trees.expressions.distributions import Lognormal
+from safety.trees.expressions.expression import Parameter
 from safety.trees.solve import solve
 from safety.trees.tree import BasicEvent, FaultTree, Gate
+from safety.trees.uncertainty import propagation as uncertainty
+from safety.trees.uncertainty import sensitivity
+from safety.trees.uncertainty.sampling import Plan
 
 SVG = "{http://www.w3.org/2000/svg}"
 

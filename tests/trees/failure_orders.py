@@ -12,7 +12,7 @@ from fractions import Fraction
 from itertools import pairwise
 
 from safety.trees.as_written import TreeError
-from safety.trees.dynamic import DynamicGate, DynamicTree
+from safety.trees.dynamic.tree import DynamicGate, DynamicTree
 
 
 @dataclass

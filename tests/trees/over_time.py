@@ -7,7 +7,7 @@ from fractions import Fraction
 from flint import arb, fmpq
 
 from safety.trees import BasicEvent, FaultTree, Gate
-from safety.trees.expressions import MissionTime
+from safety.trees.expressions.expression import MissionTime
 from tests.trees.random_trees import random_tree
 
 L, M, T = Fraction(1, 10**4), Fraction(1, 10), MissionTime()

@@ -8,7 +8,7 @@ from dataclasses import replace
 from fractions import Fraction
 
 from safety.trees.as_written import TreeError
-from safety.trees.dynamic import Dependency, DynamicGate, DynamicTree, Restriction, TimedEvent
+from safety.trees.dynamic.tree import Dependency, DynamicGate, DynamicTree, Restriction, TimedEvent
 
 RATES = ("0.3", "0.5", "0.7", "1", "1.3", "2")
 DORMANCIES = ("0", "0.5", "1")

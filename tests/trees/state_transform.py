@@ -2,7 +2,7 @@
 
 from fractions import Fraction
 
-from safety.trees.dynamic_states import States
+from safety.trees.dynamic.states import States
 
 
 def states_transform(states: States, s: Fraction) -> Fraction:

@@ -10,7 +10,7 @@ import itertools
 import pytest
 
 from safety.trees import FaultTree, Gate, read, solve
-from safety.trees.enclosures import enclose
+from safety.trees.cut_sets.enclosures import enclose
 from tests.oracles import SHARED
 
 FOLDER = SHARED / "fault_trees"

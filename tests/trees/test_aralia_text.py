@@ -6,8 +6,8 @@ from itertools import combinations
 import pytest
 
 from safety.trees import read
-from safety.trees.aralia_text import read_aralia
-from safety.trees.formats import read_study
+from safety.trees.formats.aralia_text import read_aralia
+from safety.trees.formats.files import read_study
 
 MEANINGS = {
     "a & b | c": lambda a, b, c: (a and b) or c,

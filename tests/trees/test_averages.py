@@ -11,10 +11,10 @@ from flint import ctx
 from safety.rates.markov import Chain
 from safety.rates.numeric import transient
 from safety.trees import BasicEvent, FaultTree, Gate, TreeError
-from safety.trees.averages import averages
-from safety.trees.expressions import Constant, Operation
-from safety.trees.lifetimes import Glm, PeriodicTest, Weibull
-from safety.trees.mission import Mission
+from safety.trees.expressions.expression import Constant, Operation
+from safety.trees.expressions.lifetimes import Glm, PeriodicTest, Weibull
+from safety.trees.over_time.averages import averages
+from safety.trees.over_time.mission import Mission
 from tests.oracles import SHARED
 from tests.trees.over_time import L, M, T, ball, expansion, inside, rated, voted
 

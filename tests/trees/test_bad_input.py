@@ -6,7 +6,7 @@ import re
 import pytest
 
 from safety.trees import TreeError, read
-from safety.trees.formats import LARGEST, read_study
+from safety.trees.formats.files import LARGEST, read_study
 
 EVENTS = "".join(f'<define-basic-event name="{e}"><float value="0.1"/></define-basic-event>' for e in "ab")
 A, B = '<basic-event name="a"/>', '<basic-event name="b"/>'
@@ -348,7 +348,7 @@ def test_a_file_too_large_is_not_read(tmp_path, size):
 
 
 def test_a_pipe_that_does_not_end_is_cut_off(tmp_path, monkeypatch):
-    monkeypatch.setattr("safety.trees.formats.LARGEST", 1000)
+    monkeypatch.setattr("safety.trees.formats.files.LARGEST", 1000)
     with pytest.raises(TreeError, match="/dev/zero: longer than 0 MB"):
         read("/dev/zero")
 
@@ -360,7 +360,7 @@ def test_what_cannot_be_opened(tmp_path):
 
 
 def test_a_list_of_tags_takes_no_gigabytes(tmp_path, monkeypatch):
-    monkeypatch.setattr("safety.trees.xml_elements.MOST_TAGS", 1000)
+    monkeypatch.setattr("safety.trees.formats.xml_elements.MOST_TAGS", 1000)
     (tmp_path / "f").write_text("<opsa-mef>" + "<a/>" * 1000 + "</opsa-mef>")
     with pytest.raises(TreeError, match=r"f: more than 1000 tags; split the file"):
         read(tmp_path / "f")

@@ -14,7 +14,7 @@ import pytest
 from safety.trees import BasicEvent, FaultTree, Gate, HouseEvent, read, solve
 from safety.trees import check_tree as checker
 from safety.trees.certificate import certificate, write
-from safety.trees.lifetimes import Weibull
+from safety.trees.expressions.lifetimes import Weibull
 from tests.oracles import SHARED
 from tests.trees.brute import Truth, by_order
 from tests.trees.random_trees import random_tree

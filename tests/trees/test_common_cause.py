@@ -11,13 +11,13 @@ from math import comb
 import pytest
 
 from safety.trees import BasicEvent, FaultTree, Gate, TreeError, solve
-from safety.trees.averages import averages
 from safety.trees.common_cause import FIRST_LEVEL, CcfGroup, apply
-from safety.trees.distributions import Uniform
-from safety.trees.expressions import MissionTime, Parameter
-from safety.trees.formats import read_study
-from safety.trees.lifetimes import Exponential
-from safety.trees.mission import Mission
+from safety.trees.expressions.distributions import Uniform
+from safety.trees.expressions.expression import MissionTime, Parameter
+from safety.trees.expressions.lifetimes import Exponential
+from safety.trees.formats.files import read_study
+from safety.trees.over_time.averages import averages
+from safety.trees.over_time.mission import Mission
 from tests.trees.brute import Truth
 from tests.trees.other_tools import SCRAM
 

@@ -6,7 +6,7 @@ import re
 import pytest
 
 from safety.trees import TreeError
-from safety.trees.formats import read_study
+from safety.trees.formats.files import read_study
 from tests.trees.test_bad_input import FACTOR, HEAD, HYPOTHESIS, MEMBERS, TARGET, TOTAL, beside, group, substitution
 
 ALIGNMENT = '<define-alignment name="al"><define-phase name="p" time-fraction="1"/></define-alignment>'

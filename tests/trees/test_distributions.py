@@ -12,9 +12,9 @@ import pytest
 from scipy import stats
 
 from safety.trees.as_written import TreeError
-from safety.trees.correlation import Correlation, of_pairs, read_correlation
-from safety.trees.distributions import Beta, Distribution, Gamma, Histogram, Lognormal, Normal, Uniform
-from safety.trees.sampling import Plan
+from safety.trees.expressions.distributions import Beta, Distribution, Gamma, Histogram, Lognormal, Normal, Uniform
+from safety.trees.uncertainty.correlation import Correlation, of_pairs, read_correlation
+from safety.trees.uncertainty.sampling import Plan
 
 U = np.array([1e-12, 1e-4, 0.05, 0.5, 0.95, 1 - 1e-4])
 SIGMA = math.log(3) / stats.norm.ppf(0.95)

@@ -9,14 +9,16 @@ import pytest
 
 from safety.rates.markov import Chain
 from safety.rates.numeric import transient
-from safety.trees import TooLarge, TreeError, dynamic_chain, dynamic_rules
-from safety.trees.dynamic import Dependency, DynamicGate, DynamicTree, TimedEvent
-from safety.trees.dynamic_chain import FailureChain
-from safety.trees.dynamic_mean import bounded_mean_time
-from safety.trees.dynamic_modules import whole
-from safety.trees.dynamic_solve import solve_dynamic
-from safety.trees.dynamic_states import explore
-from safety.trees.galileo import read_galileo
+from safety.trees import TooLarge, TreeError
+from safety.trees.dynamic import chain as dynamic_chain
+from safety.trees.dynamic import rules as dynamic_rules
+from safety.trees.dynamic.chain import FailureChain
+from safety.trees.dynamic.mean import bounded_mean_time
+from safety.trees.dynamic.modules import whole
+from safety.trees.dynamic.solve import solve_dynamic
+from safety.trees.dynamic.states import explore
+from safety.trees.dynamic.tree import Dependency, DynamicGate, DynamicTree, TimedEvent
+from safety.trees.formats.galileo import read_galileo
 from tests.oracles import SHARED
 from tests.trees.failure_orders import transform
 from tests.trees.random_dynamic import random_dynamic
@@ -192,7 +194,7 @@ PLANTED = {
 @pytest.mark.parametrize("bug", PLANTED)
 def test_a_planted_bug_is_found_by_that_comparison(monkeypatch, bug):
     where, wrong = PLANTED[bug]
-    monkeypatch.setattr(f"safety.trees.dynamic_rules.{where}", wrong)
+    monkeypatch.setattr(f"safety.trees.dynamic.rules.{where}", wrong)
     assert "differ" in against_every_order(range(300), 4)
 
 

@@ -4,13 +4,14 @@ from fractions import Fraction
 
 import pytest
 
-from safety.trees import TreeError, dynamic_modules
-from safety.trees.dynamic import Dependency, DynamicGate, DynamicTree, Restriction
-from safety.trees.dynamic_chain import FailureChain
-from safety.trees.dynamic_modules import parts, whole
-from safety.trees.dynamic_solve import solve_dynamic
-from safety.trees.dynamic_states import explore
-from safety.trees.galileo import read_galileo
+from safety.trees import TreeError
+from safety.trees.dynamic import modules as dynamic_modules
+from safety.trees.dynamic.chain import FailureChain
+from safety.trees.dynamic.modules import parts, whole
+from safety.trees.dynamic.solve import solve_dynamic
+from safety.trees.dynamic.states import explore
+from safety.trees.dynamic.tree import Dependency, DynamicGate, DynamicTree, Restriction
+from safety.trees.formats.galileo import read_galileo
 from tests.trees.random_dynamic import random_dynamic, renamed
 
 

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from safety.trees import TreeError
-from safety.trees.dynamic_samples import probabilities
-from safety.trees.dynamic_solve import solve_dynamic
-from safety.trees.galileo import read_galileo
+from safety.trees.dynamic.samples import probabilities
+from safety.trees.dynamic.solve import solve_dynamic
+from safety.trees.formats.galileo import read_galileo
 
 TEXT = """toplevel T; T or S E P; S wsp A B; P pand C D; F pdep=0.3 C D; E and X Y;
 A lambda=1; B lambda=1 dorm=0.2; C lambda=0.5; D lambda=0.7; X lambda=0.1; Y prob=0.5;"""
@@ -30,7 +30,7 @@ def test_each_sample_as_if_solved_anew(time):
 def test_many_samples_in_pieces(monkeypatch):
     rates = {"A": np.linspace(0, 2, 50), "X": np.linspace(2, 1, 50)}
     whole = probabilities(solve_dynamic(tree()), rates, 1.5)
-    monkeypatch.setattr("safety.trees.dynamic_samples.CELLS", 60)
+    monkeypatch.setattr("safety.trees.dynamic.samples.CELLS", 60)
     assert probabilities(solve_dynamic(tree()), rates, 1.5) == whole
     assert len(set(whole)) == 50
 

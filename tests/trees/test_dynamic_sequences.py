@@ -6,8 +6,8 @@ import pytest
 
 from safety.trees import TooLarge
 from safety.trees.as_written import TreeError
-from safety.trees.dynamic_sequences import cut_sequences
-from safety.trees.galileo import read_galileo
+from safety.trees.dynamic.sequences import cut_sequences
+from safety.trees.formats.galileo import read_galileo
 from tests.trees.failure_orders import Past, _after, _begin, _settled
 from tests.trees.random_dynamic import random_dynamic
 
@@ -59,6 +59,6 @@ def test_equal_to_every_order_tried(seed):
 
 
 def test_too_many_orders_is_an_error_with_a_way_out(monkeypatch):
-    monkeypatch.setattr("safety.trees.dynamic_sequences.MOST", 5)
+    monkeypatch.setattr("safety.trees.dynamic.sequences.MOST", 5)
     with pytest.raises(TooLarge, match="ask for shorter sequences"):
         sequences("toplevel T; T and A B C; A lambda=1; B lambda=1; C lambda=1;")

@@ -8,9 +8,9 @@ from pathlib import Path
 import pytest
 
 from safety.trees import TreeError
-from safety.trees.dynamic_chain import FailureChain
-from safety.trees.dynamic_states import explore
-from safety.trees.galileo import to_galileo
+from safety.trees.dynamic.chain import FailureChain
+from safety.trees.dynamic.states import explore
+from safety.trees.formats.galileo import to_galileo
 from tests.trees.random_dynamic import random_dynamic
 
 stormpy = pytest.importorskip("stormpy", reason="stormpy is absent: dynamic trees not compared with it")
@@ -39,7 +39,7 @@ def by_storm(tree):
 
 
 def comparable(tree):
-    """Four of the corners in which Storm differs (see safety.trees.dynamic) are left out; the fifth is met above."""
+    """Four of the corners in which Storm differs are left out (see safety.trees.dynamic.tree); one is above."""
     kinds = {gate.name: gate.kind for gate in tree.gates}
     users = {name: {gate.name for gate in tree.gates if name in gate.inputs} for name in tree.nodes}
     units = {unit for gate in tree.gates if gate.kind == "spare" for unit in gate.inputs}

@@ -5,10 +5,10 @@ import json
 import pytest
 
 from safety.trees import TreeError
-from safety.trees import dynamic_summary as dynamic_summary_module
-from safety.trees.dynamic_solve import solve_dynamic
-from safety.trees.dynamic_summary import dynamic_lines, dynamic_summary
-from safety.trees.galileo import read_galileo
+from safety.trees.dynamic import summary as dynamic_summary_module
+from safety.trees.dynamic.solve import solve_dynamic
+from safety.trees.dynamic.summary import dynamic_lines, dynamic_summary
+from safety.trees.formats.galileo import read_galileo
 
 PLANT = """toplevel T; T or P C; P csp A B;
 A lambda=1e-3; B lambda=1e-3; C lambda=1e-5;"""

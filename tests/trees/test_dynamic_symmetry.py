@@ -5,11 +5,12 @@ from fractions import Fraction
 
 import pytest
 
-from safety.trees import TreeError, dynamic_symmetry
-from safety.trees.dynamic import Dependency, DynamicGate, DynamicTree, TimedEvent
-from safety.trees.dynamic_solve import solve_dynamic
-from safety.trees.dynamic_states import explore
-from safety.trees.galileo import read_galileo
+from safety.trees import TreeError
+from safety.trees.dynamic import symmetry as dynamic_symmetry
+from safety.trees.dynamic.solve import solve_dynamic
+from safety.trees.dynamic.states import explore
+from safety.trees.dynamic.tree import Dependency, DynamicGate, DynamicTree, TimedEvent
+from safety.trees.formats.galileo import read_galileo
 from tests.trees.failure_orders import transform
 from tests.trees.random_dynamic import random_dynamic, renamed
 from tests.trees.state_transform import states_transform

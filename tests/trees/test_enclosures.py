@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from safety.trees import BasicEvent, FaultTree, Gate, read
-from safety.trees.enclosures import enclose, without_xor
+from safety.trees.cut_sets.enclosures import enclose, without_xor
 from safety.trees.kernel import load
 from safety.trees.solve import solve
 from tests.oracles import SHARED

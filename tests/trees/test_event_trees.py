@@ -11,10 +11,10 @@ import msgspec
 import pytest
 
 from safety.report.tree_schema import EventTree as EventTreeEntry
-from safety.trees import BasicEvent, FaultTree, Gate, HouseEvent, TreeError, event_tree_gates, solve
-from safety.trees.event_tree_answers import analyse, consequences
-from safety.trees.event_tree_summary import event_tree_entries
-from safety.trees.event_trees import (
+from safety.trees import BasicEvent, FaultTree, Gate, HouseEvent, TreeError, solve
+from safety.trees.event_trees import gates as event_tree_gates
+from safety.trees.event_trees.answers import analyse, consequences
+from safety.trees.event_trees.definitions import (
     Block,
     Branch,
     Choice,
@@ -36,7 +36,8 @@ from safety.trees.event_trees import (
     ToBranch,
     ToSequence,
 )
-from safety.trees.formats import read_study, write
+from safety.trees.event_trees.summary import event_tree_entries
+from safety.trees.formats.files import read_study, write
 from safety.trees.study import Study
 
 I = InitiatingEvent("I", "tree")  # noqa: E741

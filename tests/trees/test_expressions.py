@@ -14,10 +14,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from safety.trees.as_written import TreeError
-from safety.trees.distributions import Lognormal, Normal, Uniform
-from safety.trees.expressions import Constant, Expression, MissionTime, Operation, Parameter
-from safety.trees.lifetimes import Exponential, Glm
-from safety.trees.readings import MISSION_TIME
+from safety.trees.expressions.distributions import Lognormal, Normal, Uniform
+from safety.trees.expressions.expression import Constant, Expression, MissionTime, Operation, Parameter
+from safety.trees.expressions.lifetimes import Exponential, Glm
+from safety.trees.expressions.readings import MISSION_TIME
 from safety.trees.tree import BasicEvent, FaultTree, Gate
 
 NUMBERS = st.fractions(-20, 20, max_denominator=50)

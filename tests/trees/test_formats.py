@@ -7,8 +7,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from safety.trees import BasicEvent, FaultTree, Gate, HouseEvent, TreeError, read, solve, to_document, write
-from safety.trees.expressions import Constant, MissionTime, Parameter
-from safety.trees.lifetimes import Exponential
+from safety.trees.expressions.expression import Constant, MissionTime, Parameter
+from safety.trees.expressions.lifetimes import Exponential
 from tests.trees.twin import trees
 
 TREE = """<?xml version="1.0"?>

@@ -9,9 +9,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from safety.trees import BasicEvent, FaultTree, Gate, TreeError, from_cut_sets, solve
-from safety.trees.drawing import subsystem
-from safety.trees.factoring import factored, listed
-from safety.trees.from_cut_sets import NotGivenBack
+from safety.trees.drawn.factoring import factored, listed
+from safety.trees.drawn.from_cut_sets import NotGivenBack
+from safety.trees.drawn.names import subsystem
 
 
 def drawn(sets, names=None):
@@ -190,11 +190,11 @@ def test_names_that_are_taken_are_left_alone():
 @pytest.mark.parametrize("planted", [{0, 1}, {0}], ids=["too large a set", "one set missing"])
 def test_a_tree_that_does_not_give_the_sets_back_is_never_handed_out(planted, budgets, monkeypatch):
     """Neither when the tree is solved, nor when it is multiplied out as its diagram is too large."""
-    module = importlib.import_module("safety.trees.from_cut_sets")
+    module = importlib.import_module("safety.trees.drawn.from_cut_sets")
     if budgets:
         monkeypatch.setattr(module, "BUDGETS", budgets)
     assert cut_sets_of(drawn([("a",), ("b", "c")])) == {frozenset("a"), frozenset("bc")}
-    monkeypatch.setattr("safety.trees.factoring.factored", lambda sets: listed([frozenset(planted)]))
+    monkeypatch.setattr("safety.trees.drawn.factoring.factored", lambda sets: listed([frozenset(planted)]))
     with pytest.raises(NotGivenBack, match="has other minimal cut sets than the 2 that it was drawn from"):
         drawn([("a",), ("b", "c")])
 

@@ -7,8 +7,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from safety.trees import BasicEvent, FaultTree, Gate, HouseEvent, TreeError
-from safety.trees.dynamic import Dependency, DynamicGate, DynamicTree, Restriction, TimedEvent
-from safety.trees.galileo import is_galileo, read_galileo, to_galileo
+from safety.trees.dynamic.tree import Dependency, DynamicGate, DynamicTree, Restriction, TimedEvent
+from safety.trees.formats.galileo import is_galileo, read_galileo, to_galileo
 from tests.trees.random_dynamic import random_dynamic
 
 EVENTS = '"A" lambda=1e-3;\n"B" lambda=2e-3 dorm=0.5;\n"C" prob=0.25;\n'

@@ -8,10 +8,10 @@ from fractions import Fraction
 import pytest
 
 from safety.trees import BasicEvent, FaultTree, Gate, HouseEvent, TreeError, solve
-from safety.trees import importance_of_gates as module
-from safety.trees.importance import plain
-from safety.trees.importance_of_gates import importance_of_gates
-from safety.trees.joint_importance import differential_importance, joint_importance
+from safety.trees.importance import gates as module
+from safety.trees.importance.events import plain
+from safety.trees.importance.gates import importance_of_gates
+from safety.trees.importance.joint import differential_importance, joint_importance
 from tests.trees.brute import Truth
 from tests.trees.random_trees import random_tree
 

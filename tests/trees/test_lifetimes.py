@@ -19,9 +19,9 @@ from scipy.linalg import expm
 from safety.rates.exponential import transient_by_exponential
 from safety.rates.markov import Chain
 from safety.trees.as_written import TreeError
-from safety.trees.expressions import Expression, MissionTime, Operation, Parameter
-from safety.trees.lifetimes import Exponential, Glm, PeriodicTest, Weibull
-from safety.trees.readings import MISSION_TIME
+from safety.trees.expressions.expression import Expression, MissionTime, Operation, Parameter
+from safety.trees.expressions.lifetimes import Exponential, Glm, PeriodicTest, Weibull
+from safety.trees.expressions.readings import MISSION_TIME
 
 RATES = [("1e-5", "0.1", "0"), ("1e-3", "1e-2", "0.2"), ("1e-2", "0", "1"), ("0", "1e-2", "0.5"), ("0", "0", "0.3")]
 
@@ -172,7 +172,7 @@ def test_rates_far_apart_from_each_other_and_from_the_interval(rate: str, repair
 
 def test_tests_at_uncertain_times_are_counted_alike_in_rationals_and_doubles() -> None:
     """At the instant of the third test, after two that each make a tenth of the good parts fail for good."""
-    from safety.trees.distributions import Uniform
+    from safety.trees.expressions.distributions import Uniform
 
     law = PeriodicTest(0, 0, 0, Uniform(40, 60), 0, "0.1", 0, 1, 0, 0, MissionTime())
     assert law.exact(100) == Fraction(19, 100) and law.value(100) == pytest.approx(0.19, rel=1e-15)
@@ -180,7 +180,7 @@ def test_tests_at_uncertain_times_are_counted_alike_in_rationals_and_doubles() -
 
 
 def test_uncertain_test_times_leave_the_interval_open() -> None:
-    from safety.trees.distributions import Uniform
+    from safety.trees.expressions.distributions import Uniform
 
     assert PeriodicTest("1e-2", Uniform(10, 20), 0, 15).interval() == (0, 1)
 

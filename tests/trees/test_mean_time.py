@@ -9,12 +9,12 @@ import pytest
 
 from safety.rates.markov import Chain, mean_time
 from safety.trees import BasicEvent, FaultTree, Gate, TreeError, read
-from safety.trees import mean_time as mean_time_module
 from safety.trees.common_cause import CcfGroup, apply
-from safety.trees.expressions import Constant, Operation
-from safety.trees.lifetimes import Exponential, Glm, PeriodicTest, Weibull
-from safety.trees.mean_time import mean_time_to_failure
-from safety.trees.quadrature import Bounds
+from safety.trees.expressions.expression import Constant, Operation
+from safety.trees.expressions.lifetimes import Exponential, Glm, PeriodicTest, Weibull
+from safety.trees.over_time import mean_time as mean_time_module
+from safety.trees.over_time.mean_time import mean_time_to_failure
+from safety.trees.over_time.quadrature import Bounds
 from tests.trees.over_time import L, M, T, expansion, inside, rated, voted
 
 

@@ -6,9 +6,9 @@ from itertools import combinations
 import pytest
 
 from safety.trees import BasicEvent, TreeError, solve
-from safety.trees.expressions import Constant, MissionTime, Parameter
-from safety.trees.formats import read, read_study
-from safety.trees.lifetimes import Exponential
+from safety.trees.expressions.expression import Constant, MissionTime, Parameter
+from safety.trees.expressions.lifetimes import Exponential
+from safety.trees.formats.files import read, read_study
 from safety.trees.study import Alignment, Phase, Study
 from safety.trees.substitutions import Substitution
 from safety.trees.tree import Gate

@@ -9,10 +9,10 @@ from pathlib import Path
 import pytest
 
 from safety.trees import TreeError
-from safety.trees.event_tree_answers import analyse
-from safety.trees.event_tree_summary import event_tree_entries
-from safety.trees.event_trees import CollectFormula, Rule
-from safety.trees.formats import read_study
+from safety.trees.event_trees.answers import analyse
+from safety.trees.event_trees.definitions import CollectFormula, Rule
+from safety.trees.event_trees.summary import event_tree_entries
+from safety.trees.formats.files import read_study
 from tests.trees.brute import Truth
 
 SCRAM = shutil.which("scram")

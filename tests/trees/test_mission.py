@@ -12,10 +12,10 @@ import pytest
 from safety.rates.markov import Chain
 from safety.rates.numeric import transient
 from safety.trees import BasicEvent, FaultTree, Gate, TreeError
-from safety.trees.averages import averages
-from safety.trees.behaviour import UnknownFrequency
-from safety.trees.lifetimes import Exponential, Glm, PeriodicTest
-from safety.trees.mission import Mission
+from safety.trees.expressions.lifetimes import Exponential, Glm, PeriodicTest
+from safety.trees.over_time.averages import averages
+from safety.trees.over_time.behaviour import UnknownFrequency
+from safety.trees.over_time.mission import Mission
 from tests.trees.other_tools import SCRAM
 from tests.trees.over_time import L, M, T, voted
 

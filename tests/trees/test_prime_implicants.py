@@ -5,9 +5,9 @@ import itertools
 import pytest
 
 from safety.trees import read, solve
+from safety.trees.cut_sets.prime_implicants import PrimeImplicants
 from safety.trees.kernel import load
 from safety.trees.module_diagrams import TooLarge
-from safety.trees.prime_implicants import PrimeImplicants
 from tests.oracles import SHARED
 from tests.trees.random_trees import random_tree
 from tests.trees.twin import holds

@@ -6,11 +6,11 @@ from fractions import Fraction
 
 import pytest
 
-from safety.trees import quadrature
-from safety.trees.behaviour import AfterTest
-from safety.trees.expressions import Operation
-from safety.trees.lifetimes import Exponential, Glm
-from safety.trees.mission import Mission
+from safety.trees.expressions.expression import Operation
+from safety.trees.expressions.lifetimes import Exponential, Glm
+from safety.trees.over_time import quadrature
+from safety.trees.over_time.behaviour import AfterTest
+from safety.trees.over_time.mission import Mission
 from tests.trees.over_time import L, M, T, voted
 
 

@@ -9,16 +9,16 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from safety.trees import BasicEvent, FaultTree, Gate, HouseEvent, TreeError, read
-from safety.trees.aralia_text import read_aralia, to_aralia
-from safety.trees.distributions import Histogram, Lognormal, Uniform
-from safety.trees.dot import to_dot
-from safety.trees.expressions import Constant, MissionTime, Operation, Parameter
-from safety.trees.formats import text, write
-from safety.trees.json_form import read_json
-from safety.trees.lifetimes import Exponential, Glm, Weibull
-from safety.trees.mef import read_mef
-from safety.trees.mef_names import PLAIN, decoded, encoded
-from safety.trees.xml_elements import parse
+from safety.trees.expressions.distributions import Histogram, Lognormal, Uniform
+from safety.trees.expressions.expression import Constant, MissionTime, Operation, Parameter
+from safety.trees.expressions.lifetimes import Exponential, Glm, Weibull
+from safety.trees.formats.aralia_text import read_aralia, to_aralia
+from safety.trees.formats.dot import to_dot
+from safety.trees.formats.files import text, write
+from safety.trees.formats.json_form import read_json
+from safety.trees.formats.mef import read_mef
+from safety.trees.formats.mef_names import PLAIN, decoded, encoded
+from safety.trees.formats.xml_elements import parse
 from tests.trees.twin import trees
 
 NAMES = st.text(st.characters(exclude_categories=["Cs"]), min_size=1, max_size=5) | st.from_regex(

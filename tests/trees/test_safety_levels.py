@@ -5,11 +5,11 @@ from fractions import Fraction
 import pytest
 
 from safety.trees import BasicEvent, FaultTree, Gate
-from safety.trees.averages import averages
-from safety.trees.expressions import Operation
-from safety.trees.lifetimes import Exponential, Glm
-from safety.trees.mission import Mission
-from safety.trees.safety_levels import UPPER_END, level
+from safety.trees.expressions.expression import Operation
+from safety.trees.expressions.lifetimes import Exponential, Glm
+from safety.trees.over_time.averages import averages
+from safety.trees.over_time.mission import Mission
+from safety.trees.over_time.safety_levels import UPPER_END, level
 from tests.trees.over_time import L, T
 
 NEXT = Fraction(1, 10**40)  # far closer than a double can tell

@@ -9,8 +9,8 @@ from xml.etree import ElementTree
 import pytest
 
 from safety.trees import TreeError, solve
-from safety.trees.formats import read_study, write
-from safety.trees.mef_names import decoded
+from safety.trees.formats.files import read_study, write
+from safety.trees.formats.mef_names import decoded
 
 INPUTS = Path("/usr/share/scram/input")
 CASES = [

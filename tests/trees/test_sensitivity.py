@@ -9,14 +9,14 @@ from fractions import Fraction
 import pytest
 
 from safety.trees.as_written import TreeError
-from safety.trees.distributions import Lognormal, Uniform
-from safety.trees.expressions import Expression, MissionTime, Parameter
-from safety.trees.lifetimes import Exponential, PeriodicTest
-from safety.trees.readings import MISSION_TIME
-from safety.trees.sensitivity import derivatives, fields, tornado
+from safety.trees.expressions.distributions import Lognormal, Uniform
+from safety.trees.expressions.expression import Expression, MissionTime, Parameter
+from safety.trees.expressions.lifetimes import Exponential, PeriodicTest
+from safety.trees.expressions.readings import MISSION_TIME
 from safety.trees.solve import solve
-from safety.trees.targets import meets
 from safety.trees.tree import BasicEvent, FaultTree, Gate
+from safety.trees.uncertainty.sensitivity import derivatives, fields, tornado
+from safety.trees.uncertainty.targets import meets
 
 
 def bridge(rate: Expression | str = "2e-4", p: Expression | str = "0.03", beta: Expression | str = "0.1") -> FaultTree:

@@ -7,8 +7,7 @@ import pytest
 
 from safety.trees import BasicEvent, FaultTree, Gate, HouseEvent, TreeError, solve
 from safety.trees.common_cause import CcfGroup
-from safety.trees.distributions import Lognormal
-from safety.trees.event_trees import (
+from safety.trees.event_trees.definitions import (
     Block,
     Branch,
     Choice,
@@ -30,9 +29,10 @@ from safety.trees.event_trees import (
     ToBranch,
     ToSequence,
 )
-from safety.trees.expressions import Constant, MissionTime, Operation, Parameter
-from safety.trees.formats import read, read_study, write
-from safety.trees.lifetimes import Exponential
+from safety.trees.expressions.distributions import Lognormal
+from safety.trees.expressions.expression import Constant, MissionTime, Operation, Parameter
+from safety.trees.expressions.lifetimes import Exponential
+from safety.trees.formats.files import read, read_study, write
 from safety.trees.study import Alignment, Phase, Study
 from safety.trees.substitutions import Substitution
 

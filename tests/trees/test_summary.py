@@ -9,7 +9,7 @@ import pytest
 
 from safety.report.schema import Tree
 from safety.trees import BasicEvent, FaultTree, Gate, from_cut_sets, summary
-from safety.trees.json_form import to_document
+from safety.trees.formats.json_form import to_document
 
 TREE = FaultTree(
     "permit",

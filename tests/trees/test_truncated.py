@@ -10,8 +10,8 @@ import pytest
 
 from safety.trees import BasicEvent, FaultTree, Gate, kernel, read, solve
 from safety.trees.as_written import TreeError
+from safety.trees.cut_sets.truncated import OfDiagram, largest_order, limited, truncated
 from safety.trees.module_diagrams import TooLarge
-from safety.trees.truncated import OfDiagram, largest_order, limited, truncated
 from tests.oracles import SHARED
 from tests.trees.brute import Truth, by_order
 from tests.trees.random_trees import random_tree
@@ -206,7 +206,7 @@ def test_the_cut_sets_of_the_tree_without_a_diagram():
 
 @with_oracles
 def test_the_union_of_more_sets_than_a_diagram_holds_is_bounded_by_the_likeliest(monkeypatch):
-    from safety.trees import truncated as module
+    from safety.trees.cut_sets import truncated as module
 
     tree, expected = public("chinese"), float(EXPECTED["chinese"]["p_top"])
     whole = truncated(tree).lower()

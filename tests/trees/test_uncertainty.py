@@ -16,14 +16,22 @@ import pytest
 from scipy import stats
 
 from safety.trees.as_written import TreeError
-from safety.trees.correlation import Correlation
-from safety.trees.distributions import Beta, Distribution, Gamma, Histogram, Lognormal, Normal, Uniform
-from safety.trees.expressions import Expression, MissionTime, Operation, Parameter
-from safety.trees.lifetimes import Exponential, PeriodicTest
-from safety.trees.sampling import Draws, Plan, probabilities, variables
+from safety.trees.expressions.distributions import Beta, Distribution, Gamma, Histogram, Lognormal, Normal, Uniform
+from safety.trees.expressions.expression import Expression, MissionTime, Operation, Parameter
+from safety.trees.expressions.lifetimes import Exponential, PeriodicTest
 from safety.trees.solve import Solution, solve
 from safety.trees.tree import BasicEvent, FaultTree, Gate
-from safety.trees.uncertainty import MEASURES, Spread, fields, importance_fields, propagate, propagate_importance, ranks
+from safety.trees.uncertainty.correlation import Correlation
+from safety.trees.uncertainty.propagation import (
+    MEASURES,
+    Spread,
+    fields,
+    importance_fields,
+    propagate,
+    propagate_importance,
+    ranks,
+)
+from safety.trees.uncertainty.sampling import Draws, Plan, probabilities, variables
 
 N = 20_000
 
@@ -231,7 +239,7 @@ def test_values_outside_the_range_of_a_probability_are_set_to_its_end_and_counte
 def test_samples_in_parts_are_the_samples_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
     solution = solved("vote", Normal("0.9", "0.1"), Beta(1, 3), "0.3")
     whole = propagate(solution, Plan(1000))
-    monkeypatch.setattr("safety.trees.uncertainty.CHUNK", 300)
+    monkeypatch.setattr("safety.trees.uncertainty.propagation.CHUNK", 300)
     parts = propagate(solution, Plan(1000))
     assert np.array_equal(whole.values, parts.values) and whole.outside == parts.outside != {}
 
@@ -287,7 +295,7 @@ def test_samples_with_an_impossible_top_leave_out_the_importance_without_meaning
 
 def test_importance_that_takes_too_much_memory_is_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
     solution = solved("or", Uniform("0.1", "0.2"), "0.3")
-    monkeypatch.setattr("safety.trees.uncertainty.BYTES", 1e5)
+    monkeypatch.setattr("safety.trees.uncertainty.propagation.BYTES", 1e5)
     assert importance_fields(propagate_importance(solution, Plan(500)))[0]["criticality"]["mean"] > 0
     (row, _) = importance_fields(propagate_importance(solution, Plan(1000)))
     assert row["birnbaum"] is None and "1000 samples of 2 events take 0.000136 GB" in row["why_not"]

@@ -16,9 +16,9 @@ import numpy as np
 import pytest
 
 from safety.trees import read
-from safety.trees.sampling import Plan
 from safety.trees.solve import solve
-from safety.trees.uncertainty import Uncertainty, propagate
+from safety.trees.uncertainty.propagation import Uncertainty, propagate
+from safety.trees.uncertainty.sampling import Plan
 
 INPUT = Path("/", "usr", "share", "scram", "input")
 N = 20_000

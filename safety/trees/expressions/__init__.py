@@ -1,0 +1,1 @@
+"""What the probability of a basic event follows from: expressions, laws of lifetimes, distributions, readings."""

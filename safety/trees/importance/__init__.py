@@ -1,0 +1,1 @@
+"""Importance of basic events, of gates, and of events together."""
