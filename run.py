@@ -6,7 +6,7 @@
     python3 run.py test               the same set-up, then ruff, mypy and all tests
     python3 run.py test -k voter      the same set-up, then pytest with these arguments
 
-The first run downloads about 150 MB; later ones start at once. RIGHTSIDE_VENV names another folder than .venv.
+The first run downloads about 340 MB; later ones start at once. RIGHTSIDE_VENV names another folder than .venv.
 """
 
 import hashlib
