@@ -15,7 +15,7 @@ Results: of the 37 rows that are injected here 19 are wrong-side, all that the t
 comparator that always says equal has no effect by itself.  A count that runs behind is not always learnt of from the
 balises: pulses lost, all or some, late; a wheel 20 mm too large; creep late; a wheel that slides while the train gains
 speed, so that it is faster than the odometer believes possible in a slide.  Nor is a coil that is silent from just
-before the signal or branch balise on.  With the map the silent coil and the missing balises are found in time.
+before the signal balise on.  With the map the silent coil and the missing balises are found in time.
 
 Failure rates are INVENTED [A]: the table has none.
 """
@@ -81,13 +81,13 @@ def injected(
     )  # fmt: skip
 
 
-at_stop = injected("at_stop", AT_STOP, Stretch, 780, {"dangerous_undetected": 22, "no_effect": 24})
-turns = injected("turns", TURNS, Stretch, 680, {"dangerous_undetected": 14, "no_effect": 32})
+at_stop = injected("at_stop", AT_STOP, Stretch, 780, {"dangerous_undetected": 21, "no_effect": 25})
+turns = injected("turns", TURNS, Stretch, 680, {"dangerous_undetected": 12, "no_effect": 34})
 clear = injected("clear", IS_CLEAR, Stretch, 480, {"safe": 8, "no_effect": 9}, "SN", safe=braked)
 clears = injected("clears", CLEARS, Stretch, 720, {"safe": 10, "no_effect": 7}, "SN", safe=braked)
 by_phase = injected("by_phase", BY_PHASE, Stretch, 730, {"safe": 10, "no_effect": 7}, "SN", safe=braked)
-mapped_at_stop = injected("mapped_at_stop", AT_STOP, Mapped, 780, {"dangerous_undetected": 20, "no_effect": 9}, "D")
-mapped_turns = injected("mapped_turns", TURNS, Mapped, 680, {"dangerous_undetected": 12, "no_effect": 17}, "D")
+mapped_at_stop = injected("mapped_at_stop", AT_STOP, Mapped, 780, {"dangerous_undetected": 19, "no_effect": 10}, "D")
+mapped_turns = injected("mapped_turns", TURNS, Mapped, 680, {"dangerous_undetected": 11, "no_effect": 18}, "D")
 ON_THE_STRETCH = (at_stop, turns, clear, clears, by_phase)
 MAPPED_ON_THE_STRETCH = (mapped_at_stop, mapped_turns)
 

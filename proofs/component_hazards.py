@@ -3,10 +3,9 @@
 By proof means minimal cut sets that are complete at every order over the faults of a part, on all its runs; a row is a
 single, or only in pairs, or in none.  Each hazard is that of a part: what follows for the train shows injection, on
 stated rides.
-Main results: every row that injection finds wrong-side is a single by proof, but for one that has no cut sets
-(reference balises, proved otherwise).  Three singles are not wrong-side for the train on the rides of injection: what
-makes the count run ahead of the train puts it behind s_lo.  Two dangerous rows of the table are no singles by either:
-replay of messages is in no set, the comparator that says equal in a pair.
+Main results: the rows that injection finds wrong-side are singles by proof.  Three other singles are not wrong-side for
+the train on the rides of injection: what makes the count run ahead of the train puts it behind s_lo.  Two dangerous
+rows of the table are no singles by either: replay of messages is in no set, the comparator that says equal in a pair.
 """
 
 from __future__ import annotations
@@ -21,6 +20,7 @@ from proofs import (
     ats_hazards_parts,
     dual_processor,
     dual_processor_hazards,
+    position_group_hazards,
     position_hazards,
     radio_hazards,
 )
@@ -62,6 +62,12 @@ HAZARDS = (
     over("ats_hazards_parts.warned_too_late", ats_hazards_parts.LOOP, (ats_hazards_parts.WRONG,)),
     over("position_hazards.farther_or_faster_than_believed", position_hazards.FAULTS, position_hazards.UNDER),
     over("position_hazards.not_as_far_as_believed", position_hazards.FAULTS, position_hazards.OVER),
+    Hazard(
+        "position_group_hazards.a_group_is_misread",
+        frozenset(f.name for f in position_group_hazards.FAULTS),
+        frozenset({position_group_hazards.BOTH}),
+        frozenset({position_group_hazards.MISSING, position_group_hazards.EXTRA}),
+    ),
     over("radio_hazards.the_leader_is_run_into", radio_hazards.FAULTS, radio_hazards.SINGLES),
     Hazard(
         "dual_processor_hazards.energised_where_the_truth_forbids",
@@ -71,14 +77,10 @@ HAZARDS = (
     ),
 )
 
-GUARD = "by induction instead: position_guard, AP-6 and AP-7"
 NOT_ASKED = {
-    "reference balise: missing": GUARD + ": one lost is never read as another code",
-    "reference balise: extra": GUARD + ": one too many is never read as another code",
-    "reference balise: both": GUARD + ": refuted, a loss and an insertion make another code",
     "line data ROM/IC card: bit error": "by induction instead: dual_processor.two_wrong_bits_are_rejected",
     "clock, supply: brown-out": "injection only",
-    "display: wrong / dead": "injection only: nothing reads it",
+    "display: wrong / dead": "by structure instead: nothing on the stretch reads it",
     radio_hazards.DELAY: "needs none: in every run of radio_hazards the air may delay any message",
 }
 """Rows without cut sets, and why."""

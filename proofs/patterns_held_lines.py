@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from models.patterns.equipment import CombinedEquipment, PointEquipment, ProgramEquipment
 from models.patterns.failures import component_faults
-from safety import ANY_TIME, PROVED, REFUTED, Bit, Fault, Seen, at_most, claim, dead, implies, struck
+from safety import ANY_TIME, PROVED, REFUTED, Bit, Fault, Seen, at_most, claim, dead, implies, struck, stuck
 
 SPEED = "speed generator: zero output"
 
@@ -52,6 +52,13 @@ def no_current_brakes_or_supervises(s: Seen) -> Bit:
     return implies(~s.current, s.brake.on | ~s.inductor.relay | s.inductor.tripped)
 
 
+@claim(CombinedEquipment, expect=REFUTED, requirement="SP-H1", source="[A] a pattern brakes above its ceiling only",
+       twin_of=no_current_brakes_or_supervises)  # fmt: skip
+def no_current_brakes(s: Seen) -> Bit:
+    """By point and continuous: without current the brake is on.  False: a pattern is started, and may be kept."""
+    return implies(~s.current, s.brake.on)
+
+
 @claim(
     ProgramEquipment, expect=PROVED, faults=at_most(1, OF_PROGRAM), requirement="SP-F1",
     source="[P] energised to release",
@@ -60,3 +67,13 @@ def a_lost_line_of_the_program_brakes(s: Seen) -> Bit:
     """By ground program: when relay, valve coil, comparator or clock fails, or no current feeds the conductor, the
     brake is on within a cycle."""
     return implies(struck(s, *names(OF_PROGRAM)) | ~s.current, s.brake.on)
+
+
+STUCK = Fault(stuck(0), ["vehicle.vent"], onset=ANY_TIME, name="valve does not vent")
+
+
+@claim(ProgramEquipment, expect=REFUTED, faults=at_most(2, [*OF_PROGRAM, STUCK]), requirement="SP-F1",
+       source="[A] fault table", twin_of=a_lost_line_of_the_program_brakes)  # fmt: skip
+def a_lost_line_of_the_program_brakes_with_a_stuck_valve(s: Seen) -> Bit:
+    """So it does with a valve that does not vent.  False."""
+    return a_lost_line_of_the_program_brakes(s)

@@ -11,7 +11,7 @@ from __future__ import annotations
 from fractions import Fraction
 from typing import Any
 
-from models.kinematics import B_SERVICE, T_SERVICE, distance, need
+from models.kinematics import B_SERVICE, MARGIN, T_SERVICE, distance, need
 from models.patterns.held_lines import HeldLine
 from models.patterns.one_stage import LaterRun
 from models.patterns.slips import WithoutTraction
@@ -23,15 +23,20 @@ STAGES: dict[str, Any] = {"requirement": "SP-P1", "source": "[D] stored curves; 
 LATEST: dict[str, Any] = {"requirement": "SP-P4", "source": "[P] intervention at the last moment needed for safety"}
 
 
-def coasting(v: Fraction, x: Fraction, cycles: int) -> Scenario:
-    """A train that coasts at v from x for so many cycles and then has the guaranteed brake."""
+def coasting(v: Fraction, x: Fraction, cycles: int, **sizes: Fraction) -> Scenario:
+    """A train that coasts at v from x for so many cycles and then has the guaranteed brake; parameters left open."""
     reached, moving = runs(v, [Fraction(0)] * cycles + [-B_SERVICE] * 400)
-    start = {"train.v": v, "train.x": x, "brake.left": T_SERVICE - T}
+    start = {"train.v": v, "train.x": x, "brake.left": T_SERVICE - T, **sizes}
     inputs = {"reached": reached.__getitem__, "moving": moving.__getitem__}
     return Scenario(cycles + 400, inputs, start)
 
 
 # --- two stages ------------------------------------------------------------------------------------------------------
+
+
+SIZES = ("d2", "margin")
+USUAL = {"d2": D2, "margin": MARGIN}
+OPEN = (*SIZES, *(f"guard.{name}" for name in ("b_s", "t_s", "a", "h", "b_e", "t_e", "t_w")))
 
 
 def stop_fits(s: Seen) -> Bit:
@@ -46,37 +51,40 @@ def within_budget(s: Seen) -> Bit:
 
 def second_read_in_time(s: Seen) -> Bit:
     """The second balise was read, or lies ahead."""
-    return s.second | (s["train.x"] > D2 - 10)
+    return s.second | (s["train.x"] > s["d2"] - s["margin"])
 
 
 def at_the_first_balise(s: Seen) -> Bit:
     """The train's stop fits; the second balise lies ahead."""
-    return s.fits & s.budgeted & (s["train.v"] >= 0) & (s["train.x"] > D2 - 10)
+    return s.fits & s.budgeted & (s["train.v"] >= 0) & (s["train.x"] > s["d2"] - s["margin"])
 
 
-@claim(TwoStageRun, start=at_the_first_balise, lemmas=[stop_fits, within_budget, second_read_in_time], expect=PROVED,
-       **STAGES)  # fmt: skip
+@claim(TwoStageRun, start=at_the_first_balise, lemmas=[stop_fits, within_budget, second_read_in_time], symbolic=OPEN,
+       expect=PROVED, **STAGES)  # fmt: skip
 def two_stages_keep_the_point(s: Seen) -> Bit:
-    """A train under the two-stage pattern never passes the point a margin before the signal."""
+    """A train under the two-stage pattern never passes the point a margin before the signal: for all brakes, budgets,
+    places of the second balise and margins."""
     return s["train.x"] >= 0
 
 
-@claim(TwoStageRun, start=at_the_first_balise, settings={"nearer_2": 30}, expect=REFUTED,
-       scenario=coasting(Fraction(14), Fraction(175), 44), twin_of=two_stages_keep_the_point, **STAGES)  # fmt: skip
+@claim(TwoStageRun, start=at_the_first_balise, settings={"nearer_2": 30}, symbolic=SIZES, expect=REFUTED,
+       scenario=coasting(Fraction(14), Fraction(175), 44, **USUAL),
+       twin_of=two_stages_keep_the_point, **STAGES)  # fmt: skip
 def two_stages_keep_the_point_with_the_second_balise_nearer(s: Seen) -> Bit:
     """The same with the second balise laid 30 m nearer than the rule.  False: a latent fault, seen by nobody."""
     return two_stages_keep_the_point(s)
 
 
-@claim(TwoStageRun, start=at_the_first_balise, settings={"nearer_1": 30}, expect=REFUTED,
-       scenario=coasting(Fraction(15), Fraction(195), 35), twin_of=two_stages_keep_the_point, **STAGES)  # fmt: skip
+@claim(TwoStageRun, start=at_the_first_balise, settings={"nearer_1": 30}, symbolic=SIZES, expect=REFUTED,
+       scenario=coasting(Fraction(15), Fraction(195), 35, **USUAL),
+       twin_of=two_stages_keep_the_point, **STAGES)  # fmt: skip
 def two_stages_keep_the_point_with_the_first_balise_nearer(s: Seen) -> Bit:
     """The same with the first balise laid 30 m nearer than the rule.  False: V_mid comes too late."""
     return two_stages_keep_the_point(s)
 
 
-@claim(TwoStageRun, start=at_the_first_balise, settings={"nearer_2": 180}, expect=REFUTED,
-       scenario=coasting(Fraction(14), Fraction(175), 140),
+@claim(TwoStageRun, start=at_the_first_balise, settings={"nearer_2": 180}, symbolic=SIZES, expect=REFUTED,
+       scenario=coasting(Fraction(14), Fraction(175), 140, **USUAL),
        twin_of=two_stages_keep_the_point, **STAGES)  # fmt: skip
 def two_stages_keep_the_point_without_the_second_balise(s: Seen) -> Bit:
     """The same where the second balise is not read before the signal.  False: the train goes on at V_mid."""

@@ -167,6 +167,12 @@ def only_a_code_makes_it_known(s: Seen) -> Bit:
     return implies(~s.correction.tally.known & s.matched.reliable, s.code.given)
 
 
+@claim(Sighting, expect=REFUTED, requirement="AP-4", twin_of=only_a_code_makes_it_known, steps=2)
+def nothing_makes_it_known(s: Seen) -> Bit:
+    """A position that is not relied on is never relied on again.  False: a code tells it."""
+    return implies(~s.correction.tally.known, ~s.matched.reliable)
+
+
 # --- window and spacing ----------------------------------------------------------------------------------------------
 
 WIDTH = 20  # m, after 1 km at 1 %

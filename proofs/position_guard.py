@@ -65,6 +65,15 @@ def true_reading(s: Seen) -> Bit:
     return implies(s.reading.accepted, right)
 
 
+BEFORE_IT = Scenario(6, {
+    "seen.run": lambda k: (0, 10, 5, 7, 18, 10)[k], "seen.extra": lambda k: k == 0, "seen.own": lambda k: k > 0,
+})  # fmt: skip
+REPLACED = Scenario(6, {
+    "seen.run": lambda k: (0, 5, 12, 13, 10, 41)[k], "seen.extra": lambda k: k == 2,
+    "seen.own": lambda k: k in (0, 1, 3, 4),
+}, start={"lost": True})  # fmt: skip
+
+
 @claim(Passing, expect=PROVED, given=one_fault, lemmas=[collected], requirement="AP-6", source=SOURCE)
 def one_fault_is_never_read(s: Seen) -> Bit:
     """With one balise lost, or one too many at any place, what is accepted are the five balises of the group where they
@@ -74,9 +83,7 @@ def one_fault_is_never_read(s: Seen) -> Bit:
 
 @claim(UnguardedPassing, expect=REFUTED, given=one_fault, requirement="AP-6", twin_of=one_fault_is_never_read,
        source="[A] variant without the guard", defeat=True,
-       scenario=Scenario(6, {
-           "seen.run": lambda k: (0, 10, 5, 7, 18, 10)[k], "seen.extra": lambda k: k == 0, "seen.own": lambda k: k > 0,
-       }))  # fmt: skip
+       scenario=BEFORE_IT)  # fmt: skip
 def one_fault_is_never_read_unguarded(s: Seen) -> Bit:
     """Without the guard too.  False: a balise 10 m before {5, 12, 30} takes the place of the first one, the window
     closes before the last one, and {10, 15, 22} is read."""
@@ -84,11 +91,7 @@ def one_fault_is_never_read_unguarded(s: Seen) -> Bit:
 
 
 @claim(Passing, expect=REFUTED, requirement="AP-7", twin_of=one_fault_is_never_read, defeat=True,
-       source="[P] 9,139 combinations: no code is spare",
-       scenario=Scenario(6, {
-           "seen.run": lambda k: (0, 5, 12, 13, 10, 41)[k], "seen.extra": lambda k: k == 2,
-           "seen.own": lambda k: k in (0, 1, 3, 4),
-       }, start={"lost": True}))  # fmt: skip
+       source="[P] 9,139 combinations: no code is spare", scenario=REPLACED)  # fmt: skip
 def two_faults_are_never_read(s: Seen) -> Bit:
     """With one balise lost and one too many too.  False: {5, 12, 30} without its middle one, and another one on slot
     17, reads {5, 17, 30}."""
@@ -138,10 +141,23 @@ def extra_near_the_group_is_rejected(s: Seen) -> Bit:
     return implies(once(comes_near(s)), ~s.reading.accepted)
 
 
+@claim(UnguardedPassing, expect=REFUTED, given=one_fault, requirement="AP-6", scenario=BEFORE_IT,
+       twin_of=extra_near_the_group_is_rejected, source="[A] variant without the guard")  # fmt: skip
+def extra_near_the_group_is_rejected_unguarded(s: Seen) -> Bit:
+    """So it is without the guard.  False: 10 m before {5, 12, 30}."""
+    return extra_near_the_group_is_rejected(s)
+
+
 @claim(Passing, expect=PROVED, given=one_fault, lemmas=[collected], requirement="AP-6", source=SOURCE)
 def four_are_rejected(s: Seen) -> Bit:
     """With one balise lost nothing is accepted."""
     return implies(s.lost, ~s.reading.accepted)
+
+
+@claim(Passing, expect=REFUTED, requirement="AP-6", scenario=REPLACED, twin_of=four_are_rejected)
+def four_and_a_strange_one_are_rejected(s: Seen) -> Bit:
+    """So it is where another one stands in the place of the lost one.  False: they are five."""
+    return four_are_rejected(s)
 
 
 def nothing_strange(s: Seen) -> Bit:

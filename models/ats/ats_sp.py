@@ -10,7 +10,7 @@ balise whose shift is neither that of stop nor that of proceed is read as stop. 
 balise: one of the home signal makes and ends its pattern, one of the turnout that of the turnout.  A balise at stop, or
 of a diverging route, that cannot be assigned to either, because the position is not sure, or the line data do not have
 it or have it for another target, and the loss of a sure position, make the pattern for the shortest distance on the
-line.  A balise may be passed anywhere in a cycle.
+line.  A balise may be passed anywhere in a cycle: the way since then is counted from the time stamp of its detection.
 Source: architecture, pattern set [P]; line data of one home signal and one turnout, rules in detail [A].
 """
 
@@ -24,9 +24,9 @@ from models.ats.supervision import PLACES, Events, Orders, Supervision
 from models.ats.variants import BlindAtAPlace
 from models.kinematics import at_most, nearest
 from models.position.correction import BRANCH, REFERENCE, RELEASE, SIGNAL, Entry, Matched
-from models.position.locator import Sighted, UnstampedLocator
+from models.position.locator import Locator, Sighted
 from models.position.odometer import Fix, step_s
-from safety import U2, Bit, Model, Real, any_of, bit, parameter, point, power_up, real, require
+from safety import U2, Bit, Model, Real, any_of, bit, parameter, point, power_up, require
 
 
 class Shift(NamedTuple):
@@ -67,6 +67,13 @@ class UnknownIsProceed(Coil, tick_s=step_s):
     def understood(self, stop: Bit, proceed: Bit) -> Bit:
         """Only a clear stop is stop."""
         return stop & ~proceed
+
+
+class Counted(NamedTuple):
+    """Axle pulses: those of a second, and the way, m, that they count since the time stamp of the cycle's balise."""
+
+    pulses: Real
+    since: Real
 
 
 class Inputs(NamedTuple):
@@ -110,7 +117,7 @@ TARGET = "[A] line data: place of the signal, or first facing switch, that the b
 class Targeted(Model, tick_s=step_s):
     """The balises, each with the signal or turnout that it is for."""
 
-    locator: UnstampedLocator
+    locator: Locator
     sp: Home
     target_a: Real = parameter(1600, unit="m", within=PLACES, source=TARGET)
     target_b: Real = parameter(2600, unit="m", within=PLACES, source=TARGET)
@@ -182,15 +189,15 @@ class AtsSp(Assigned, tick_s=step_s):
     crossing_at: Real = parameter(3100, unit="m", within=PLACES, source="[A] line data: level crossing")
     sure: Bit = power_up(False)  # the position was reliable at the last cycle
 
-    def step(self, shift: Shift, pulses: Real, code: Fix, phase: Phase, inputs: Inputs) -> tuple[Self, Outputs]:
-        """One cycle: a balise, pulses a second, what a code told, the phase, and the rest."""
+    def step(self, shift: Shift, axle: Counted, code: Fix, phase: Phase, inputs: Inputs) -> tuple[Self, Outputs]:
+        """One cycle: a balise, what the axle counts, what a code told, the phase, and the rest."""
         require("the stop mark lies before the crossing", self.sp.mark_at < self.crossing_at,
                 nearest("mark_at", self.crossing_at, "m", at_most, "any below"))  # fmt: skip
         require("the section ends at the signal, or before", self.receiver.ends <= self.sp.signal_at,
                 nearest("receiver.ends", self.sp.signal_at, "m", at_most))  # fmt: skip
         self.check()
         coil, read = self.coil.step(shift)
-        locator, located = self.locator.step(pulses, Sighted(read.seen, read.kind, real(0)), code)
+        locator, located = self.locator.step(axle.pulses, Sighted(read.seen, read.kind, axle.since), code)
         where, sure = located.position, located.matched.reliable
         receiver, heard = self.receiver.step(phase, where)
         station, stop = self.station.step(inputs.timetable_stop, sure, where, self.sp.mark_at)

@@ -35,8 +35,8 @@ class Rolling(Model, tick_s=step_s):
         """One cycle: m/s^2 that the train gains; what is told before it of the place."""
         cycle = self.odometer.cycle
         now = larger(real(0), self.speed + gain * cycle)
-        axle, pulses = self.axle.step(now)
-        generator, wheel = self.generator.step(pulses)
+        axle, counted = self.axle.step(now, real(0))
+        generator, wheel = self.generator.step(counted.pulses)
         odometer, position = self.odometer.step(wheel, fix)
         there, most = self.way + now * cycle, now + self.odometer.a_hi * cycle
         following = type(self)(axle=axle, generator=generator, odometer=odometer, way=there, speed=now)

@@ -17,7 +17,7 @@ from __future__ import annotations
 from fractions import Fraction
 from typing import NamedTuple
 
-from models.ats.ats_sp import AtsSp, Inputs, Shift
+from models.ats.ats_sp import AtsSp, Counted, Inputs, Shift
 from models.ats.ats_sp import Reading as BaliseReading
 from models.ats.phase import Phase, Told
 from models.ats.supervision import Events
@@ -40,6 +40,7 @@ LINE = {
 """Settings: the line data of this stretch; the station lies beyond it."""
 AT_REST = {"vehicle.v": 0, "vehicle.x": SIGNAL_AT - START}  # power-up
 LENGTH = 200  # of the train, m
+SLOWER = Fraction(1, 100)  # m/s, by which a wheel turns too slowly
 LIMIT = 45 * KMH  # of the turnout, m/s
 PULSES_A_METRE = Fraction(PULSES) / (PI * Fraction("0.86"))  # of a wheel as it is set
 
@@ -74,27 +75,40 @@ class FalseShift(Model, tick_s=step_s):
         return type(self)(), Shift(passed.seen | shifts, kind, passed.stop | shifts, passed.proceed & ~shifts)
 
 
+class Shown(NamedTuple):
+    """What a cycle brings from the track."""
+
+    shift: Shift
+    since: Real  # way since the balise that was passed in it, m
+
+
 class Track(Model, tick_s=step_s):
     """Balises and oscillation unit, as the train passes."""
 
     balises: Balises
     unit: FalseShift
 
-    def step(self, x: Real, left: Real, at: Wayside) -> tuple[Track, Shift]:
+    def step(self, x: Real, left: Real, at: Wayside) -> tuple[Track, Shown]:
         """One cycle: metres to the signal now and a cycle ago."""
         passing = {kind: (left > SIGNAL_AT - place) & (x <= SIGNAL_AT - place) for kind, place in PLACES.items()}
         balises, shift = self.balises.step(any_of(*passing.values()), first(passing), at.stop, at.diverging)
-        unit, shown = self.unit.step(shift)
-        return type(self)(balises=balises, unit=unit), shown
+        unit, shift = self.unit.step(shift)
+        since = real(0)
+        for kind, place in PLACES.items():
+            since = select(passing[kind], SIGNAL_AT - place - x, since)
+        return type(self)(balises=balises, unit=unit), Shown(shift, since)
 
 
 class Axle(Model, tick_s=step_s):
     """Wheel and rail, wheel diameter, speed generator: pulses a second from the true mean speed."""
 
-    def step(self, mean: Real) -> tuple[Axle, Real]:
-        """One cycle; `grip` is the speed of the tread, `wear` the set over the true diameter, `counted` a share."""
-        turned = point("grip", mean) * point("wear", real(1))
-        return type(self)(), turned * point("counted", real(1)) * PULSES_A_METRE
+    def step(self, mean: Real, since: Real) -> tuple[Axle, Counted]:
+        """One cycle; `grip` is the speed of the tread, `wear` the set over the true diameter, `counted` a share.
+
+        Since a balise a wheel that turns too slowly shows no way at all: the worst that it can [A].
+        """
+        tread, shown = point("grip", mean), point("wear", real(1)) * point("counted", real(1))
+        return type(self)(), Counted(tread * shown * PULSES_A_METRE, select(mean - tread > SLOWER, 0, since * shown))
 
 
 class Train(Vehicle, tick_s=step_s):
@@ -124,11 +138,11 @@ class Stretch(Model, tick_s=step_s):
     def step(self, at: Wayside, drive: Real) -> tuple[Stretch, Outcome]:
         """One cycle: what the ground shows, and the driver's acceleration in m/s^2."""
         v, x, mean = self.vehicle.v, self.vehicle.x, (self.before + self.vehicle.v) / 2
-        track, shift = self.track.step(x, self.left, at)
-        axle, pulses = self.axle.step(mean)
+        track, shown = self.track.step(x, self.left, at)
+        axle, counted = self.axle.step(mean, shown.since)
         start, off = real(START), bit(False)
         code, inputs = Fix(~self.told, start, start, start), Inputs(off, off, ~self.told, ~off, ~off)
-        ats, lines = self.ats.step(shift, pulses, code, current(at), inputs)
+        ats, lines = self.ats.step(shown.shift, counted, code, current(at), inputs)
         ordered = ~(lines.service_line & lines.emergency_line)
         held_off = point("io_unit", ~ordered)
         traction = select(held_off | (drive < 0), drive, real(0))

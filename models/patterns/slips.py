@@ -7,7 +7,7 @@ hysteresis, the plain ceiling under traction); the others are of the surrounding
 from __future__ import annotations
 
 from models.kinematics import intervenes_accelerating, permits_accelerating
-from models.patterns.supervised import Errors, Promised, ServiceRun
+from models.patterns.supervised import EmergencyRun, Errors, Promised, ServiceRun
 from models.patterns.supervisor import Seen, Supervisor
 from models.patterns.train import TICK, T
 from safety import Bit, Real, select
@@ -108,6 +108,20 @@ class WeakBrake(ServiceRun, tick_s=TICK):
     def push(self, acts: Bit, b: Real, a: Real) -> Real:
         """A tenth less."""
         return select(acts, -b * 9 / 10, a)
+
+
+class WeakEmergencyBrake(EmergencyRun, tick_s=TICK):
+    """The emergency brake gives nine tenths of what is guaranteed."""
+
+    def push(self, acts: Bit, b: Real, a: Real) -> Real:
+        """A tenth less."""
+        return select(acts, -b * 9 / 10, a)
+
+
+class NoFreeRunEmergency(EmergencyRun, tick_s=TICK):
+    """The train under its emergency brake, the free run left out of the ceiling."""
+
+    guard: NoFreeRun
 
 
 class StrongTraction(ServiceRun, tick_s=TICK):

@@ -38,15 +38,16 @@ class Brake(Model, tick_s=TICK):
 
     The budget t runs from the last sample that permitted the train to run: one cycle to the next sample, one of
     processing until the line drops, the build-up, and up to one cycle more, as the brake counts in whole cycles only.
-    So it stands for every brake that builds up within t - 3 T.
+    So it stands for every brake that builds up within t - 3 T.  It is not counted on in the cycle that releases it.
     """
 
     left: Real = power_up(ANY)  # s, most time until it acts, should its line be dropped now
 
     def step(self, asked: Bit, t: Real) -> tuple[Brake, Bit]:
         """One cycle; whether it acts in the whole of it, its line having been dropped long enough."""
-        acts = point("acts", self.left <= T)
-        left = select(point("line_down", asked), select(acts, self.left, self.left - T), t - T)
+        down = point("line_down", asked)
+        acts = point("acts", down & (self.left <= T))
+        left = select(down, select(acts, 0, self.left - T), t - T)
         return type(self)(left=left), acts
 
 

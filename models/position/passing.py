@@ -11,7 +11,7 @@ from typing import NamedTuple, Self
 from models.position.code import SPAN
 from models.position.decoder import FIVE, Decoder, Reading, Spots, Thinned, Unguarded
 from models.position.odometer import step_s
-from safety import ANY, U3, U6, Bit, Model, Real, assume, bit, power_up, real, select
+from safety import ANY, U3, U6, Bit, Model, Real, assume, bit, point, power_up, real, select
 
 
 class Detection(NamedTuple):
@@ -77,6 +77,16 @@ class ThinnedPassing(Passing, tick_s=step_s):
     """The same with 247 codes."""
 
     decoder: Thinned
+
+
+class LaidGroup(Passing, tick_s=step_s):
+    """The same with points for faults of the group: a balise that is missing, and one that is too many."""
+
+    def step(self, seen: Detection) -> tuple[Self, Passed]:
+        """One stretch."""
+        point("missing", bit(False))
+        point("extra", bit(False))
+        return super().step(seen)
 
 
 class TrueGroup(Model, tick_s=step_s):

@@ -10,11 +10,14 @@ from typing import Any
 import pytest
 
 from models.ats.failures import rates_of, row_of, rows_of, table
+from models.ats.stretch import LINE, Stretch
 from proofs import ats_hazards_parts, position_hazards, radio_hazards
 from proofs import component_hazards as proofs
 from proofs.component_hazards import HAZARDS, NEVER, NO_PROOF, NOT_ASKED, PAIR, SINGLE, by_proof
 from safety.prove.hazards import CONFIRMED, CutSets, Hazard, cut_sets, hazards, replay
 from safety.system import ModelError
+from safety.terms.graph import postorder
+from safety.tracing import trace
 
 DECLARED = {h.id: h for h in hazards()}
 NEW = [h.id for h in HAZARDS if h.id.split(".")[0] not in ("ats_hazards", "dual_processor_hazards")]
@@ -38,7 +41,8 @@ def test_cut_sets_are_complete_minimal_and_replayed(id: str) -> None:
 @pytest.mark.parametrize("id", NEW)
 def test_singles_are_those_the_table_names(id: str) -> None:
     stated = next(h for h in HAZARDS if h.id == id)
-    assert {row_of(one.faults[0]) for one in sets(id).sets} == stated.singles
+    assert {row_of(one.faults[0]) for one in sets(id).sets if len(one.faults) == 1} == stated.singles
+    assert {row_of(name) for one in sets(id).sets if len(one.faults) > 1 for name in one.faults} == stated.pairs
     assert stated.singles <= stated.rows <= {mode.name for mode in table()}
 
 
@@ -59,9 +63,17 @@ def test_rows_without_cut_sets_say_so() -> None:
     assert all(SHOWN[name][-1] for name in NOT_ASKED)
 
 
-def test_what_injection_finds_dangerous_is_single_by_proof_or_has_no_cut_sets() -> None:
-    wrong = {mode.name for mode in table() if mode.wrong_side}
-    assert {name for name in wrong if by_proof(name) != SINGLE} == {"reference balise: both"}
+@pytest.mark.parametrize(("point", "read"), [("ats.display", False), ("io_unit", True)])
+def test_nothing_reads_the_display(point: str, read: bool) -> None:
+    """No register of the stretch, and nothing that it shows of the train, depends on that point."""
+    system = trace(Stretch, LINE)
+    shown = [system.lookup(name) for name in ("passed", "ordered", "braking", "head")]
+    terms = postorder([*(s.next for s in system.states), *shown])
+    assert any(term.op == "point" and term.attr == point for term in terms) is read
+
+
+def test_what_injection_finds_dangerous_is_single_by_proof() -> None:
+    assert {by_proof(mode.name) for mode in table() if mode.wrong_side} == {SINGLE}
 
 
 def test_singles_that_injection_does_not_find_are_those_explained() -> None:
@@ -83,6 +95,7 @@ def test_dangerous_rows_of_the_table_that_are_no_singles_are_explained() -> None
     ("id", "left_out"),
     [
         ("position_hazards.farther_or_faster_than_believed", "is_before_s_hi"),
+        ("position_group_hazards.a_group_is_misread", "collected"),
         ("ats_hazards_parts.turnout_without_a_limit", "target_acts"),
         ("ats_hazards_parts.signal_is_passed", "fits"),
     ],

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
 from typing import Any
 
 import pytest
@@ -72,10 +73,22 @@ def test_a_code_does_not_lift_the_worst_pattern(model: Any) -> None:
     """After 300 m without a position a stop balise, then a code that tells 10 m: the brake comes, and stays."""
     code = {"code.given": True, "code.low": 9, "code.place": 10, "code.high": 11}
     more = {0: {"inputs.reset": True}, 300: seen(SIGNAL, True, False), 310: code}
-    rows = [OFF | {"pulses": min(k, 150) * PULSES_A_METRE / 10} | more.get(k, {}) for k in range(420)]
+    rows = [OFF | {"axle.pulses": min(k, 150) * PULSES_A_METRE / 10} | more.get(k, {}) for k in range(420)]
     told = run(model, rows, settings=SETTINGS, keep=("sp.service", "sp.blind.target.pattern"))
     assert all(told["sp.blind.target.pattern"][300:])
     assert any(told["sp.service"][311:]) == (model is AtsSp)
+
+
+@pytest.mark.parametrize(("since", "low"), [(0, "999.9"), (1, "1000.89")])
+def test_a_balise_puts_the_train_where_its_time_stamp_says(since: int, low: str) -> None:
+    """Matched at 15 m/s: e on both sides, and 1 % of the way since; not the way of a whole cycle."""
+    code = FIX | {f"code.{name}": 820 for name in ("low", "place", "high")} | {"inputs.reset": True}
+    rows = [OFF | {"axle.pulses": min(k, 150) * PULSES_A_METRE / 10} for k in range(200)]
+    rows[0], rows[195] = rows[0] | code, rows[195] | seen(SIGNAL, True, False) | {"axle.since": since}
+    shown = tuple(f"locator.{name}" for name in ("matched.adopted", "position.low", "position.high"))
+    told = run(AtsSp, rows[:196], settings=SETTINGS, keep=shown)
+    high = 1000 + since * Fraction("1.01") + Fraction("0.1")
+    assert [told[name][-1] for name in shown] == [True, Fraction(low), high]
 
 
 @pytest.mark.parametrize("model", [AtsSp, AnySignalCounts])

@@ -193,7 +193,7 @@ def test_five_figures_are_declared() -> None:
 
 
 def test_sampled_messages_are_bounded_exactly() -> None:
-    """No hit in 200: 1 - (1 - 0.99)/2 in 200 drawn, two-sided; sampled, not exhaustive."""
+    """No hit in n: the greatest share p has (1 - p)^n = (1 - 0.99)/2, two-sided; sampled, not exhaustive."""
     low, high = radio_monte_carlo.bounds()
     assert low == 0
-    assert float(high) == pytest.approx(1 - 0.005 ** (1 / 200), abs=1e-8)
+    assert float(high) == pytest.approx(1 - 0.005 ** (1 / radio_monte_carlo.MISSIONS), abs=1e-8)

@@ -36,6 +36,11 @@ def test_the_brake_acts_within_its_budget() -> None:
     assert trace["acts"].index(True) * T <= Fraction(2) - 2 * T
 
 
+def test_the_brake_does_not_act_in_the_cycle_that_releases_it() -> None:
+    rows = [{"asked": asked, "t": Fraction(2)} for asked in (True, True, False, True)]
+    assert run(Brake, rows, 4, start={"left": T})["acts"] == [True, True, False, False]
+
+
 def test_a_budget_that_the_brake_does_not_keep_is_refused() -> None:
     check_budget(Fraction(2), Fraction("1.7"))
     with pytest.raises(ModelError, match=r"reaction budget = 1.9 s: .*; the nearest admissible value is 2 s"):
