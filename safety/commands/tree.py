@@ -1,7 +1,8 @@
 """Find the cut sets of the hazards of proofs/, draw their fault trees and solve them; or solve tree files.
 
 Without FILE: every hazard, its cut sets straight from the model.  With FILE: Open-PSA MEF XML (trees and data may stand
-in several files), Aralia text, Galileo (.dft, dynamic gates too) or the project's own JSON; no project is needed then.
+in several files), Aralia text, Galileo (.dft, dynamic gates too, its data also in MEF files) or the project's own JSON;
+no project is needed then.
 """
 
 from __future__ import annotations
@@ -11,7 +12,7 @@ from argparse import ArgumentParser, Namespace
 
 from safety.commands import CommandError, options
 from safety.commands.output import data, probe, write
-from safety.commands.tree_text import told
+from safety.commands.tree_text import over_all, told
 
 TYPE_CHECKING = False  # typing itself is not needed to start
 if TYPE_CHECKING:
@@ -26,6 +27,7 @@ rightside tree permit.xml --uncertainty 10000 --lhs       what the distributions
 rightside tree permit.xml --hours 8760 --sil --curve 12   PFDavg, PFH, safety integrity level, and Q over the year
 rightside tree permit.xml --certificate permit.cert.json  for `rightside check`
 rightside tree permit.dft --hours 8760 --export permit.xml  from one format into another
+rightside tree plant.dft data.xml --hours 8760 --uncertainty 10000  dynamic gates; a MEF file has the distributions
 """
 OF_FILES: dict[str, object] = {  # options that belong to tree files, with their values when not given
     "top": None, "hours": None, "export": [], "certificate": None, "likeliest": False, "exact": False, "gates": False,
@@ -39,7 +41,7 @@ OF_FILES: dict[str, object] = {  # options that belong to tree files, with their
 def add_arguments(parser: ArgumentParser) -> None:
     """Options of the verb."""
     parser.add_argument("files", nargs="*", metavar="FILE", help="a fault tree, instead of the project's hazards")
-    parser.add_argument("--svg", metavar="FILE", help="draw the tree (there has to be only one)")
+    parser.add_argument("--svg", metavar="FILE", help="draw the tree (there has to be only one), or event trees")
     group = parser.add_argument_group("with FILE")
     group.add_argument("--top", metavar="GATE", help="the top gate, where the file leaves it open")
     group.add_argument("--hours", metavar="H", help="mission time of rates without a time of their own")
@@ -52,7 +54,12 @@ def add_arguments(parser: ArgumentParser) -> None:
         "--prime-implicants", metavar="N", type=_samples, help="count them, and list N (with not or xor)"
     )
     group.add_argument("--joint", action="store_true", help="joint importance of pairs, differential importance")
-    group.add_argument("--uncertainty", metavar="N", type=_samples, help="N samples of the data's distributions")
+    group.add_argument(
+        "--uncertainty",
+        metavar="N",
+        type=_samples,
+        help="N samples of the data's distributions (event trees: for each sequence)",
+    )
     group.add_argument("--lhs", action="store_true", help="Latin hypercubes instead of independent samples")
     group.add_argument("--seed", metavar="S", type=int, help="of the samples (default: 1)")
     group.add_argument(
@@ -97,7 +104,8 @@ def run(args: Namespace) -> int:
         session = work(args, "trees")
         entries, code = session.results.get("trees", []), session.code
     if args.json != "-":
-        data("\n\n".join(told(entry) for entry in entries if entry.get("structure") or "sequences" in entry))
+        texts = [told(entry) for entry in entries if entry.get("structure") or "sequences" in entry]
+        data("\n\n".join(filter(None, [*texts, over_all(entries)])))
     if args.files and args.json:
         from safety.commands.tree_files import write_entries
 
@@ -121,6 +129,13 @@ def _keep_apart(read: list[str | None], written: list[str | None]) -> None:
 
 
 def _draw(path: str, entries: list[Entry]) -> None:
+    if entries and all("sequences" in entry for entry in entries):
+        from safety.report.event_tree_svg import event_trees_svg
+
+        write(path, event_trees_svg(entries))
+        names = ", ".join(dict.fromkeys(entry["event_tree"] for entry in entries))
+        print(f"picture of {names}: {path}", file=sys.stderr)
+        return
     from safety.report.tree_svg import tree_svg
 
     if len(entries) != 1:

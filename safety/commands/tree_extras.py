@@ -10,7 +10,7 @@ from argparse import Namespace
 
 from safety.commands import CommandError
 from safety.commands.tree_text import counted
-from safety.trees.as_written import TreeError
+from safety.trees.as_written import TreeError, exact
 from safety.trees.solve import Solution
 from safety.trees.summary import LISTED
 from safety.trees.tree import FaultTree
@@ -18,9 +18,14 @@ from safety.trees.tree import FaultTree
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from collections.abc import Callable
+    from fractions import Fraction
 
     from safety.report.schema import Entry
+    from safety.trees.dynamic.data import Data
+    from safety.trees.dynamic.solve import DynamicSolution
+    from safety.trees.event_trees.summary import Answered
     from safety.trees.study import Study
+    from safety.trees.uncertainty.sampling import Plan
 
 FEW_GATES = 60  # of a tree in whose picture the importance of gates is shown unasked
 NEED_PROBABILITIES = ("likeliest", "gates", "joint", "sensitivity")
@@ -35,6 +40,55 @@ def extend(entry: Entry, args: Namespace, solution: Solution) -> list[str]:
             extra = _refusal(solution.tree)
         errors += _tried(f"--{option}", entry, extra)
     return errors
+
+
+def extend_dynamic(entry: Entry, args: Namespace, solution: DynamicSolution, data: Data) -> list[str]:
+    """Add to the entry of a dynamic tree; the errors."""
+
+    def sampled() -> Entry:
+        from safety.trees.dynamic.uncertainty import propagate
+        from safety.trees.uncertainty.propagation import fields
+
+        if args.hours is None:
+            raise TreeError("is of the probability by a time; give it by --hours H")
+        if data.is_certain:
+            raise TreeError(
+                "Galileo text holds plain numbers only; give the distributions of its basic events in an Open-PSA MEF "
+                "file as well"
+            )
+        return {"uncertainty": fields(propagate(solution, data, exact(args.hours, "--hours"), _plan(args)))}
+
+    def curve() -> Entry:
+        if args.hours is None:
+            raise TreeError("needs the time up to which it goes; give it by --hours H")
+        times = [exact(args.hours, "--hours") * n / args.curve for n in range(args.curve + 1)]
+        chances = [float(one.middle) for one in solution.probabilities(times)]
+        return {
+            "curve": {
+                "times_h": [float(time) for time in times],
+                "unavailability": chances,
+                "frequency_per_h": None,
+                "intensity_per_h": None,
+                "frequency_unknown": "it is not computed for dynamic trees",
+            }
+        }
+
+    asked = [("--uncertainty", sampled)] * bool(args.uncertainty) + [("--curve", curve)] * bool(args.curve)
+    return [error for option, extra in asked for error in _tried(option, entry, extra)]
+
+
+def extend_sequences(
+    entries: list[Entry], args: Namespace, answers: list[Answered], mission_time_h: Fraction | None
+) -> list[str]:
+    """Add the uncertainty of every sequence to the entries of event trees; the errors."""
+
+    def sampled() -> Entry:
+        from safety.trees.event_trees.summary import add_uncertainty
+
+        add_uncertainty(entries, answers, _plan(args), mission_time_h)
+        return {}
+
+    return _tried("--uncertainty", {}, sampled)
 
 
 def _asked(args: Namespace, solution: Solution) -> list[tuple[str, Callable[[], Entry]]]:
@@ -148,14 +202,20 @@ def _joint(solution: Solution) -> Entry:
 
 def _uncertainty(args: Namespace, solution: Solution) -> Entry:
     from safety.trees.uncertainty import propagation as uncertainty
+
+    plan = _plan(args)
+    found = uncertainty.fields(uncertainty.propagate(solution, plan))
+    found["importance"] = uncertainty.importance_fields(uncertainty.propagate_importance(solution, plan))
+    return {"uncertainty": found}
+
+
+def _plan(args: Namespace) -> Plan:
+    """How to sample."""
     from safety.trees.uncertainty.correlation import read_correlation
     from safety.trees.uncertainty.sampling import Plan
 
     correlation = read_correlation(args.correlation) if args.correlation else None
-    plan = Plan(args.uncertainty, 1 if args.seed is None else args.seed, args.lhs, correlation=correlation)
-    found = uncertainty.fields(uncertainty.propagate(solution, plan))
-    found["importance"] = uncertainty.importance_fields(uncertainty.propagate_importance(solution, plan))
-    return {"uncertainty": found}
+    return Plan(args.uncertainty, 1 if args.seed is None else args.seed, args.lhs, correlation=correlation)
 
 
 def _curve(args: Namespace, tree: FaultTree) -> Entry:
@@ -166,15 +226,30 @@ def _curve(args: Namespace, tree: FaultTree) -> Entry:
 
 def _averages(args: Namespace, tree: FaultTree) -> Entry:
     from safety.trees.over_time.averages import averages
-    from safety.trees.over_time.mean_time import mean_time_to_failure
     from safety.trees.over_time.mission import Mission
 
-    found: Entry = {"averages": averages(Mission(tree, args.hours)).plain()}
+    return {"averages": averages(Mission(tree, args.hours)).plain(), "mean_time_to_failure_h": _mean_time(args, tree)}
+
+
+def _mean_time(args: Namespace, tree: FaultTree) -> Entry:
+    """Of `tree`, or where its common-cause groups are in the way, with their shares taken of the failure rates."""
+    from safety.trees.over_time.mean_time import mean_time_to_failure
+
     try:
-        found["mean_time_to_failure_h"] = mean_time_to_failure(tree).plain()
-    except TreeError as why:
-        found["mean_time_to_failure_h"] = {"why_not": why.message}
-    return found
+        return mean_time_to_failure(tree).plain()
+    except TreeError as error:
+        why = error
+    from safety.trees.formats.files import read_study
+
+    try:
+        study = read_study(*args.files, mission_time_h=args.hours)
+        if study.ccf_groups:
+            house = {one.name: one.state for one in tree.house_events}
+            found = mean_time_to_failure(study.quantified(args.top, house=house, of_rates=True))
+            return found.plain() | {"common_cause": "shares of failure rates"}
+    except TreeError as error:
+        why = error
+    return {"why_not": why.message}
 
 
 def _target(solution: Solution, text: str, listed: list[Entry]) -> Entry:

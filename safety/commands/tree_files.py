@@ -27,9 +27,11 @@ if TYPE_CHECKING:
     from safety.trees.cut_sets.enclosures import Enclosed
     from safety.trees.cut_sets.truncated import Truncated
     from safety.trees.study import Study
+    from safety.trees.tree import BasicEvent
 
 NOT_AS_ASKED, INPUT_ERROR, WEAKER = 1, 2, 4
 QUICKLY_EXACT = 30  # nodes of a diagram that is evaluated in rationals unasked
+UNCERTAIN = ("uncertainty", "lhs", "seed", "correlation")
 FREE = ("top", "hours", "ties", "export", "order", "above", "likeliest")  # options that need no diagram
 EVENT_TREES, PHASES = (b"event-tree", b'"event_trees"'), (b"define-alignment", b'"alignments"')  # in MEF, in JSON
 EXTRAS = (  # options that add to what a tree's entry always holds
@@ -48,7 +50,7 @@ def solve_files(args: Namespace) -> tuple[list[Entry], int]:
     if args.hours is not None:
         exact(args.hours, "--hours")
     texts = [_content(file) for file in args.files]
-    if args.ties != "refuse" and not all(b"toplevel" in text for text in texts):
+    if args.ties != "refuse" and not any(b"toplevel" in text for text in texts):
         raise CommandError("--ties is of dynamic trees in Galileo text; leave it out")
     if args.uncertainty is None and (args.lhs or args.correlation or args.seed is not None):
         raise CommandError("--lhs, --seed and --correlation are of --uncertainty N; add it")
@@ -130,6 +132,9 @@ def _solved(args: Namespace, tree: FaultTree, read_s: float | None, errors: list
         likeliest=args.likeliest and known, exact_nodes=inf if args.exact else QUICKLY_EXACT,
         limited=within,
     )  # fmt: skip
+    if args.exact and known and entry["exact"] is None:
+        reason = "an event has no rational one" if solution.exact is None else "it has more than 3,900 digits"
+        entry["note"] = f"no exact probability is given: {reason}"
     if any(getattr(args, name) for name in EXTRAS):
         from safety.commands.tree_extras import extend
 
@@ -194,29 +199,69 @@ def _not_exact(bounds: Enclosed | None, within: Truncated | None) -> str:
 
 
 def _dynamic(args: Namespace, texts: list[bytes]) -> Entry | None:
-    """The entry of a Galileo file with dynamic gates; None for any other."""
-    if len(texts) > 1 or b"toplevel" not in texts[0]:
+    """The entry of a Galileo file with dynamic gates or with data in other files; None for any other."""
+    if not any(b"toplevel" in text for text in texts):
         return None
     from safety.trees.formats.galileo import is_galileo, read_galileo
 
-    if not is_galileo(texts[0]):
+    places = [place for place, text in enumerate(texts) if is_galileo(text)]
+    if len(places) != 1:
         return None
-    began = time.perf_counter()
-    tree = read_galileo(texts[0], args.files[0])
-    if not tree.dynamic_elements:
+    began, file = time.perf_counter(), args.files[places[0]]
+    others = [other for other in args.files if other != file]
+    tree = read_galileo(texts[places[0]], file)
+    if not tree.dynamic_elements and not others:
         return None
-    _refuse(args, "a dynamic tree", "ties", "export")
-    for path in args.export:
-        if not path.lower().endswith(".dft"):
-            raise CommandError(f"--export {path}: {args.files[0]} holds a dynamic tree, which only .dft can hold")
-        from safety.trees.formats.galileo import to_galileo
-
-        write_text(path, to_galileo(tree))
-    from safety.trees.dynamic.summary import dynamic_summary
+    from safety.trees.dynamic.data import static_with_data, with_data
+    from safety.trees.formats.draft import at
 
     hours: Fraction | None = None if args.hours is None else exact(args.hours, "--hours")
-    read_s = time.perf_counter() - began
-    return dynamic_summary(tree, hours, source=args.files[0], read_s=read_s, ties=args.ties)
+    events = _data(others) if others else ()
+    with at(", ".join(others) or file):
+        known = with_data(tree, events) if tree.dynamic_elements else static_with_data(tree, events, hours)
+    if isinstance(known, FaultTree):
+        return _solved(args, known, time.perf_counter() - began)
+    _refuse(args, "a dynamic tree; leave it out", "ties", "export", "curve", *UNCERTAIN)
+    for path in args.export:
+        if not path.lower().endswith(".dft"):
+            raise CommandError(f"--export {path}: {file} holds a dynamic tree, which only .dft can hold")
+        from safety.trees.formats.galileo import to_galileo
+
+        write_text(path, to_galileo(known.tree))
+        if not known.is_certain:
+            print(f"{path}: this format holds no distributions, their means are written", file=sys.stderr)
+    from safety.commands.tree_extras import extend_dynamic
+    from safety.trees.dynamic.solve import solve_dynamic
+    from safety.trees.dynamic.summary import dynamic_summary
+
+    read_s, began = time.perf_counter() - began, time.perf_counter()
+    with at(file):
+        solution = solve_dynamic(known.tree, ties=args.ties)
+    solve_s = time.perf_counter() - began
+    source = ", ".join(args.files)
+    entry = dynamic_summary(
+        known.tree, hours, source=source, read_s=read_s, ties=args.ties, solution=solution, tags=known.sources
+    )
+    for key in ("solve", "total"):
+        entry["seconds"][key] += solve_s
+    errors = extend_dynamic(entry, args, solution, known)
+    return entry | {"errors": errors} if errors else entry
+
+
+def _data(files: list[str]) -> tuple[BasicEvent, ...]:
+    """The basic events in files of data. Raises CommandError for files that hold more, or none."""
+    from safety.trees.formats.files import read_study
+
+    study = read_study(*files)
+    kinds = ("gates", "event_trees", "ccf_groups", "substitutions", "alignments", "house_events")
+    if more := [kind.replace("_", " ") for kind in kinds if getattr(study, kind)]:
+        raise CommandError(
+            f"{', '.join(files)}: beside a Galileo tree only the data of its basic events are read, but there are "
+            f"{' and '.join(more)}; remove them"
+        )
+    if not study.events:
+        raise CommandError(f"{', '.join(files)}: no basic event is defined; define those of the tree, by name")
+    return study.events
 
 
 def _events(args: Namespace, texts: list[bytes]) -> list[Entry]:
@@ -231,15 +276,18 @@ def _events(args: Namespace, texts: list[bytes]) -> list[Entry]:
     if args.top:
         return [_solved(args, study.quantified(args.top), None)]
     files = ", ".join(args.files)
-    _refuse(args, "event trees", "export")
-    if args.svg:
-        raise CommandError(f"--svg draws a fault tree, and {files} holds event trees; choose a gate with --top")
+    _refuse(args, "event trees; leave it out, or choose a fault tree by --top GATE", "export", *UNCERTAIN)
     if not any(one.event_tree for one in study.initiating_events):
         raise CommandError(f"{files}: no initiating event begins an event tree; define one, or give --top GATE")
-    from safety.trees.event_trees.summary import event_tree_entries
+    from safety.trees.event_trees.summary import answers_of, event_tree_entries
 
     errors = _exported(args, study)
-    entries = event_tree_entries(study, source=files)
+    answers = answers_of(study)
+    entries = event_tree_entries(study, answers, source=files)
+    if args.uncertainty:
+        from safety.commands.tree_extras import extend_sequences
+
+        errors += extend_sequences(entries, args, answers, study.mission_time_h)
     return [entry | {"errors": errors} for entry in entries] if errors else entries
 
 

@@ -14,6 +14,8 @@ if TYPE_CHECKING:
     from safety.report.schema import Entry
 
 MEASURES = ("fussell_vesely", "birnbaum")
+LEVELS = (0.05, 0.5, 0.95)  # quantiles of a sequence
+SHORT = 60  # characters of a rational shown
 LISTED = 20  # cut sets and events in the text; --json has more
 
 
@@ -44,9 +46,13 @@ def told(entry: Entry) -> str:
             "the probability beside one is that of its events together, and no bound; --prime-implicants N says more",
         ]
     lines += [*_cut_sets(entry), *_important(entry), *_gates(entry)]
+    return "\n".join([*lines, *_extras(entry)])
+
+
+def _extras(entry: Entry) -> list[str]:
+    """What options have added."""
     on_assumed = mark(rests_on_assumed("trees", entry))
-    lines += [line for key, say in EXTRAS.items() if key in entry for line in ("", *say(entry[key], on_assumed))]
-    return "\n".join(lines)
+    return [line for key, say in EXTRAS.items() if key in entry for line in ("", *say(entry[key], on_assumed))]
 
 
 def _counted(sets: Entry | None) -> str:
@@ -120,10 +126,7 @@ def _uncertainty(found: Entry, on_assumed: str) -> list[str]:
         f"mean {number(found['mean'])}{on_assumed} (standard error {number(found['standard_error'])}), standard "
         f"deviation {number(found['standard_deviation'])}{on_assumed}, error factor {number(found['error_factor'])}"
         f"{on_assumed}",
-        *(
-            f"{event}: {counted(times, 'sample')} out of range, set to the nearer end of 0 to 1"
-            for event, times in found.get("set_to_range", {}).items()
-        ),
+        *_out_of_range(found.get("set_to_range", {})),
     ]
     rows = [
         [
@@ -203,7 +206,8 @@ def _mean_time(found: Entry, on_assumed: str) -> list[str]:
     if "why_not" in found:
         return [f"no mean time to failure: {found['why_not']}"]
     exact = f", exactly {found['exact']}" if found.get("exact") else ""
-    return [f"mean time to failure {number(found['value'])} h{on_assumed} ({found['method']}{exact})"]
+    shares = "; common causes have their shares of the failure rates" if found.get("common_cause") else ""
+    return [f"mean time to failure {number(found['value'])} h{on_assumed} ({found['method']}{exact}{shares})"]
 
 
 def _pairs(found: list[Entry], on_assumed: str) -> list[str]:
@@ -241,7 +245,7 @@ def _dynamic(entry: Entry) -> str:
     lines = [head, *([_probability(entry)] if timed else ["probability: give --hours H"]), *dynamic_lines(entry)]
     if entry["minimal_cut_sets"]:
         lines += _cut_sets(entry)
-    return "\n".join([*lines, *_important(entry)])
+    return "\n".join([*lines, *_important(entry), *_extras(entry)])
 
 
 def _event_tree(entry: Entry) -> str:
@@ -265,8 +269,72 @@ def _event_tree(entry: Entry) -> str:
             *(f"wrong: {one}" for one in entry["wrong"]),
             "",
             table(["sequence", "probability", "frequency", "cut sets"], rows),
+            *_spreads(entry["sequences"]),
         ]
     )
+
+
+def over_all(entries: list[Entry]) -> str:
+    """The sequences of all event trees together: their frequencies over all initiating events, where there are some."""
+    if len(entries) < 2 or any("sequences" not in entry for entry in entries):
+        return ""
+    if len({entry.get("alignment") for entry in entries}) > 1:
+        return ""
+    phases = " and phases" if entries[0].get("alignment") else ""
+    key = "frequency_of_all_initiating_events"
+    sequences = {one["id"]: one for entry in entries for one in entry["sequences"] if one[key] is not None}
+    together = [one | {"assumed": one["assumed_over_all"]} for one in sequences.values()]
+    if not together:
+        return ""
+    rows = [[one["id"], number(one[key]) + mark(one["assumed"])] for one in together]
+    return "\n".join(
+        [
+            f"over all initiating events{phases}",
+            "",
+            table(["sequence", "frequency"], rows),
+            *_spreads(together, f"{key}_uncertainty"),
+        ]
+    )
+
+
+def _spreads(sequences: list[Entry], key: str = "") -> list[str]:
+    """The uncertainty of the sequences: of their frequencies, where these are known."""
+    if not key:
+        often = all("frequency_uncertainty" in one for one in sequences)
+        key = "frequency_uncertainty" if often else "uncertainty"
+    sampled = [one for one in sequences if key in one]
+    if not sampled:
+        return []
+    first = sampled[0][key]
+    random = {name for one in sampled for name in one[key]["variables"]}
+    what = "frequencies" if key.startswith("frequency") else "probabilities"
+    rows, outside = [], dict[str, int]()
+    for one in sampled:
+        found, sign = one[key], mark(one["assumed"])
+        by_level = {row["level"]: row for row in found["quantiles"]}
+        cells = [found["mean"], found["standard_deviation"], *(by_level[level]["value"] for level in LEVELS)]
+        high = by_level[LEVELS[-1]]
+        within = [] if found["hypercubes"] else [f"{number(high['low'])} to {number(high['high'])}{sign}"]
+        rows.append([one["id"], *(number(cell) + sign for cell in cells), *within])
+        outside |= found["set_to_range"]
+    levels = [f"{100 * level:.0f} %" for level in LEVELS]
+    head = ["sequence", "mean", "standard deviation", *levels]
+    if not first["hypercubes"]:
+        head.append(f"{levels[-1]}, with confidence {number(first['quantiles'][-1]['confidence'])} or more")
+    return [
+        "",
+        f"uncertainty of the {what}: {first['samples']} samples ({first['method']}, seed {first['seed']}) of "
+        f"{counted(len(random), 'random variable')}",
+        *_out_of_range(outside),
+        table(head, rows),
+    ]
+
+
+def _out_of_range(outside: dict[str, int]) -> list[str]:
+    return [
+        f"{name}: {counted(times, 'sample')} out of range, set to the nearer end of the range"
+        for name, times in outside.items()
+    ]
 
 
 def _chance(entry: Entry, one: Entry) -> str:
@@ -290,7 +358,16 @@ def _probability(entry: Entry) -> str:
         model = f"  ({share}; mean over the phases {number(entry['mean_over_phases'], 6)}{sign})"
     if value is None:
         return f"probability between {low or 0.0!r} and {1.0 if high is None else high!r}{sign}{model}"
-    return f"probability {number(value, 6)}{sign}, enclosed by {low!r} and {high!r}{model}"
+    return f"probability {number(value, 6)}{sign}, enclosed by {low!r} and {high!r}{_rational(entry)}{model}"
+
+
+def _rational(entry: Entry) -> str:
+    exact = entry.get("exact") or ""
+    return (
+        f", exactly {exact}"
+        if 0 < len(exact) <= SHORT
+        else f"; exactly in --json ({len(exact)} characters)" * bool(exact)
+    )
 
 
 def _more(left: int, noun: str) -> list[str]:

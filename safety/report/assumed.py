@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 
 from safety.report.numbers import tags_of
 
@@ -31,14 +31,13 @@ def assumed_mode(row: Entry) -> bool:
 
 def assumed_events(tree: Entry) -> set[str]:
     """The basic events whose figures are assumed."""
-    events = (tree.get("structure") or {}).get("basic_events", ())
-    rows = tree.get("importance") or ()
-    return {one["name"] for one in events if _assumed(one)} | {one["event"] for one in rows if _assumed(one)}
+    return {name for name, one in _named(tree) if _assumed(one)}
 
 
 def assumed_set(tree: Entry, events: Iterable[str]) -> bool:
     """Whether the probability of a cut set rests on an assumed event."""
-    return not assumed_events(tree).isdisjoint(events)
+    chosen = frozenset(events)
+    return any(name in chosen and _assumed(one) for name, one in _named(tree))
 
 
 def mark(assumed: bool) -> str:
@@ -46,5 +45,12 @@ def mark(assumed: bool) -> str:
     return f" {MARK}" if assumed else ""
 
 
+def _named(tree: Entry) -> Iterator[tuple[str, Entry]]:
+    """The basic events of a tree by name: as it was given, and with their figures."""
+    yield from ((one["name"], one) for one in (tree.get("structure") or {}).get("basic_events", ()))
+    yield from ((one["event"], one) for one in tree.get("importance") or ())
+
+
 def _assumed(event: Entry) -> bool:
-    return event.get("source") == "A" or "A" in tags_of(event.get("description") or "")
+    said = event.get("description") or ""
+    return event.get("source") == "A" or (said != "" and "A" in tags_of(said))

@@ -185,6 +185,9 @@ def _sampled(results: Results) -> Iterator[Item]:
     for tree in results.get("trees", ()):
         if found := tree.get("uncertainty"):
             yield Item(tree["id"], f"{number(found['samples'])} samples of its uncertain inputs", "trees", tree)
+    for tree in results.get("event_trees", ()):
+        if found := next((one["uncertainty"] for one in tree["sequences"] if one.get("uncertainty")), None):
+            yield Item(tree["id"], f"{number(found['samples'])} samples of its uncertain inputs", "event_trees", tree)
 
 
 def _unclaimed(results: Results) -> Iterator[Item]:
@@ -222,6 +225,12 @@ def _tagged(results: Results, tag: str) -> Iterator[Item]:
         names = [event["name"] for event in events if event.get("source") == tag]
         if names:
             yield Item(tree["id"], f"basic events {', '.join(names)}", "trees", tree)
+    for tree in results.get("event_trees", ()):
+        rows = (row for one in tree["sequences"] for row in one.get("importance", ()) if row.get("source") == tag)
+        if names := list(dict.fromkeys(row["event"] for row in rows)):
+            yield Item(tree["id"], f"basic events {', '.join(names)}", "event_trees", tree)
+        if named := [one["id"] for one in tree["sequences"] if tag == "A" and one["assumed"]]:
+            yield Item(tree["id"], f"figures of the sequences {', '.join(named)}", "event_trees", tree)
     for rate in results.get("rates", ()):
         if tag in tags_of(rate.get("source") or ""):
             yield Item(rate["id"], str(rate["source"]), "rates", rate)

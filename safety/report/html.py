@@ -18,6 +18,7 @@ from markupsafe import Markup
 from safety.report import results as documents
 from safety.report.assumed import MARK, assumed_mode, assumed_set, rests_on_assumed
 from safety.report.bars_svg import CLASSES, classes_bar, interval_svg
+from safety.report.event_tree_svg import event_tree_svg
 from safety.report.figures import by_paper, counted, published, unjudged, word
 from safety.report.gaps import gaps, parameters
 from safety.report.histogram_svg import bins, histogram_svg
@@ -161,6 +162,10 @@ def _environment(results: documents.Results) -> Environment:
         histogram=lambda latency, what: Markup(histogram_svg(bins(dict(latency["histogram"])), latency["unit"], what)),
         distribution=lambda tree, ident: Markup(
             "".join(_drawn(tree, lambda: [distribution_svg(tree, f"{ident}-distribution")]))
+        ),
+        event_tree=lambda tree: Markup("".join(_drawn(tree, lambda: [event_tree_svg(tree)]))),
+        spread=lambda sequence, what, ident: Markup(
+            "".join(_drawn(sequence, lambda: [distribution_svg(sequence, ident, "event_trees", what)]))
         ),
         tornado=lambda tree: Markup("".join(_drawn(tree, lambda: [tornado_svg(tree)]))),
         interval=lambda *values, **options: Markup(interval_svg(*values, **options)),

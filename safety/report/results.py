@@ -122,6 +122,8 @@ def canonical(results: Results) -> Results:
     kept = {name: value for name, value in results.items() if name not in (*SECTIONS, "runs", "tool")}
     kept["tool"] = {name: value for name, value in results.get("tool", {}).items() if name == "rightside"}
     for section in SECTIONS:
+        if section == "event_trees" and not results.get(section):
+            continue  # no project has them, only tree files
         entries = sorted(results.get(section, ()), key=key)
         kept[section] = [{name: value for name, value in entry.items() if name not in VOLATILE} for entry in entries]
     kept["claims"] = [_without_guesses(entry) for entry in kept["claims"]]

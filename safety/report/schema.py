@@ -15,7 +15,16 @@ from safety.report.tree_schema import EventTree, Tree
 from safety.report.value_schema import Bracket, Exact, Number, Seconds, Synthesis, Tag
 
 SCHEMA = "rightside/1"
-JUDGED = ("claims", "syntheses", "campaigns", "trees", "rates", "figures", "exhibits")  # entries are as asked or not
+JUDGED = (
+    "claims",
+    "syntheses",
+    "campaigns",
+    "trees",
+    "rates",
+    "figures",
+    "exhibits",
+    "event_trees",
+)  # entries are as asked or not
 SECTIONS = (*JUDGED, "parameters", "requirements", "models")  # all sections: lists of entries, each with an id
 
 Verdict = Literal["proved", "bounded", "vacuous", "refuted", "undecided"]

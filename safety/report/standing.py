@@ -76,7 +76,9 @@ def standing(section: str, entry: Entry) -> Standing:
         return Standing(DISAGREE, f"engines disagree: {'; '.join(entry['disagreed_by'])}")
     if entry.get("as_expected") is False and not (entry.get("closure") or {}).get("contradictions"):
         return Standing(FAILED, entry.get("note") or "not as expected")
-    return {"campaigns": _campaign, "trees": _tree, "rates": _target}.get(section, _figure)(entry)
+    return {"campaigns": _campaign, "trees": _tree, "rates": _target, "event_trees": _event_tree}.get(section, _figure)(
+        entry
+    )
 
 
 def _claim(entry: Entry) -> Standing:
@@ -135,6 +137,10 @@ def _tree(entry: Entry) -> Standing:
     ):
         return Standing(UNDECIDED, entry.get("note") or "the probability has no upper bound")
     return _target(entry)
+
+
+def _event_tree(entry: Entry) -> Standing:
+    return Standing(FAILED, "; ".join(entry["wrong"])) if entry.get("wrong") else Standing(AS_ASKED)
 
 
 def _target(entry: Entry) -> Standing:

@@ -140,7 +140,11 @@ def _counts(results: Mapping[str, Any]) -> Iterator[Line]:
         for one in campaign.get("reproducers") or ():
             command = replay_command(f"{campaign['id']}::{one['injection']}")
             yield Line(one_line(f"    minimal reproducer of {one['of']}: {command}"))
-    others = [_many(len(results[section]), section.removesuffix("s")) for section in JUDGED[2:] if results.get(section)]
+    others = [
+        _many(len(results[section]), section.removesuffix("s").replace("_", " "))
+        for section in JUDGED[2:]
+        if results.get(section)
+    ]
     if others:
         yield Line(", ".join(others))
     code = exit_code(results)

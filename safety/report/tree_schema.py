@@ -104,8 +104,12 @@ class Sequence(TypedDict, total=False):
     frequency_high: Number
     frequency_exact: str | None
     frequency_of_all_initiating_events: Number
-    assumed: bool  # whether the figures rest on an event with the source tag A
-    paths: list[dict[str, str]]  # the state of each functional event on the way
+    uncertainty: dict[str, Any]  # of the probability, as that of a tree
+    frequency_uncertainty: dict[str, Any]  # likewise
+    frequency_of_all_initiating_events_uncertainty: dict[str, Any]
+    assumed: Required[bool]  # whether the figures rest on an event with the source tag A
+    assumed_over_all: bool  # likewise that of all initiating events, which may rest on more
+    paths: Required[list[dict[str, str]]]  # the state of each functional event on the way
     minimal_cut_sets: CutSets | None
     importance: list[Importance]
 
@@ -116,13 +120,14 @@ class EventTree(TypedDict, total=False):
     id: Required[str]  # of the initiating event
     description: str
     source: str | None
-    event_tree: str
+    event_tree: Required[str]
     frequency: Number
+    assumed: bool  # whether the frequency is
     frequency_low: Number
     frequency_high: Number
     frequency_exact: str | None
-    functional_events: list[FunctionalEvent]
-    sequences: list[Sequence]
+    functional_events: Required[list[FunctionalEvent]]
+    sequences: Required[list[Sequence]]
     alignment: str  # in whose phase, with its part of the time
     phase: str
     time_fraction: Number

@@ -22,6 +22,7 @@ SIDE, TOP, BELOW = 12, 26, 22  # px around
 GAP = 8  # px between words and bars
 SHOWN = 15  # bars, the widest first
 NAME = 260  # px: of the longest name shown
+WHAT = "probability of the top event"
 STYLE = """
 .tornado text { font: 12px system-ui, "Segoe UI", "DejaVu Sans", "Noto Sans CJK JP", Arial, sans-serif;
   fill: var(--ink, #1b1f24); }
@@ -30,14 +31,15 @@ STYLE = """
 """
 
 
-def distribution_svg(tree: Mapping[str, Any], ident: str) -> str:
+def distribution_svg(tree: Mapping[str, Any], ident: str, section: str = "trees", what: str = WHAT) -> str:
     """The histogram of the samples, the mean, and the range from the lowest to the highest quantile given.
 
-    `tree` is an entry of "trees" with "uncertainty"; `ident` is unique in a page.
+    `tree` is an entry of "trees", or a sequence of an entry of another `section`, with "uncertainty" of `what`; `ident`
+    is unique in a page.
     """
     found = tree["uncertainty"]
     bins, quantiles = found["histogram"], found["quantiles"]
-    assumed = rests_on_assumed("trees", tree)
+    assumed = rests_on_assumed(section, tree)
     log = (
         len(bins) > 1
         and bins[0]["low"] > 0
@@ -55,7 +57,7 @@ def distribution_svg(tree: Mapping[str, Any], ident: str) -> str:
         first, last = quantiles[0], quantiles[-1]
         label = f"{_percent(first['level'])} to {_percent(last['level'])}"
         marks.append({"kind": "band", "label": label, "axis": "x", "at": [first["value"], last["value"]]})
-    across = {"name": "probability of the top event", "unit": "", "log": log, "low": None, "high": None}
+    across = {"name": what, "unit": "", "log": log, "low": None, "high": None}
     up = {"name": "samples", "unit": "", "log": False, "low": 0, "high": None}
     title = f"Uncertainty of {tree['id']}"
     return plot_svg({"title": title, "assumed": assumed, "x": across, "y": up, "marks": marks}, ident)

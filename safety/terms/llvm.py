@@ -84,14 +84,13 @@ class Library:
     def __init__(self, text: str, target: Target, *, keep: bool = False) -> None:
         llvm = _started()
         key = hashlib.sha256("\0".join([text, target.cpu, target.features, str(llvm.llvm_version_info)]).encode())
-        machine = _machine(target)
         code = recalled(key.hexdigest()) if keep else None
         if code is None:
-            code = _object(machine, text)
+            code = _object(target, text)
             if keep:
                 remember(key.hexdigest(), code)
         empty = llvm.parse_assembly("")
-        self._engine = llvm.create_mcjit_compiler(empty, machine)
+        self._engine = llvm.create_mcjit_compiler(empty, _machine(target))
         self._engine.add_object_file(llvm.ObjectFileRef.from_data(code))
         self._engine.finalize_object()
 
@@ -106,9 +105,9 @@ class Library:
         return ctypes.CFUNCTYPE(None, *kinds)(self.address(name))
 
 
-def _object(machine: Any, text: str) -> bytes:
+def _object(target: Target, text: str) -> bytes:
     """Machine code of a text.  The terms are simple already: a short list of passes compiles fastest."""
-    llvm = _started()
+    llvm, machine = _started(), _machine(target)
     module = llvm.parse_assembly(text)
     module.verify()
     builder = llvm.create_pass_builder(machine, llvm.create_pipeline_tuning_options(speed_level=2))

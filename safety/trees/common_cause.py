@@ -14,8 +14,14 @@ the first three models the Q_k of a member add up to Q; the member itself, an OR
 slightly less, in terms of second order. The factors of the fourth are taken as they are: with the sum of 1 that the
 Exchange Format asks for, the Q_k of a member add up to more than Q if any level between 1 and n is used.
 
+Members with a constant failure rate may have that shared out instead (`of_rates`): every such k then fails together
+at the rate that the formulas give with the rate in the place of Q, and by the first three models a member fails at its
+own rate exactly. This is the model of common shocks, in which all times to failure are exponential; the two differ in
+terms of second order.
+
 Sources: Open-PSA Model Exchange Format 2.0d (models, names, non-staggered testing, all probabilities scaled at the
-time asked for); A. Mosleh et al., NUREG/CR-4780 (1988) and NUREG/CR-5485 (1998) (factors, kinds of testing).
+time asked for); A. Mosleh et al., NUREG/CR-4780 (1988) and NUREG/CR-5485 (1998) (factors, kinds of testing); A. W.
+Marshall, I. Olkin, J. Am. Statist. Assoc. 62 (1967) (shocks).
 """
 
 from __future__ import annotations
@@ -166,12 +172,14 @@ def is_expression(value: object) -> TypeGuard[Expression]:
     return hasattr(value, "arguments")
 
 
-def apply(tree: FaultTree, groups: Iterable[CcfGroup], elsewhere: Collection[str] = ()) -> FaultTree:
+def apply(
+    tree: FaultTree, groups: Iterable[CcfGroup], elsewhere: Collection[str] = (), *, of_rates: bool = False
+) -> FaultTree:
     """`tree` with the common causes of `groups` in it: every member has become an OR gate of the same name.
 
     Member "A" is the OR of the event "A-alone" and of "CCF-A-B", "CCF-A-B-C" and so on, one for each set of members
     that may fail together. `elsewhere` names events that other trees of the study have; a member that is only there
-    is none of this tree's.
+    is none of this tree's. With `of_rates` it is the failure rates of members that are shared out, where they have one.
 
     Raises TreeError: a member that is no basic event, is in two groups, or whose probability is not the group's; a
     group that would become more than MOST_EVENTS events; a name that the tree already has.
@@ -195,7 +203,7 @@ def apply(tree: FaultTree, groups: Iterable[CcfGroup], elsewhere: Collection[str
                 )
         inside = [events[member] for member in group.members if member in events]
         if inside:
-            added += _events(group, inside, _total(group, inside, tree.mission_time_h))
+            added += _events(group, inside, _total(group, inside, tree.mission_time_h), of_rates)
             gates |= _member_gates(group, inside)
     return replace(
         tree,
@@ -256,7 +264,7 @@ def _name(names: tuple[str, ...]) -> str:
     return f"{names[0]}-alone" if len(names) == 1 else "-".join(("CCF", *names))
 
 
-def _events(group: CcfGroup, members: list[BasicEvent], total: BasicEvent) -> list[BasicEvent]:
+def _events(group: CcfGroup, members: list[BasicEvent], total: BasicEvent, of_rates: bool) -> list[BasicEvent]:
     count = sum(math.comb(group.size, k) for k in group.shares)
     if count > MOST_EVENTS:
         raise TreeError(
@@ -266,7 +274,8 @@ def _events(group: CcfGroup, members: list[BasicEvent], total: BasicEvent) -> li
         )
     tags = {member.source for member in members}
     source = tags.pop() if len(tags) == 1 else "A" if "A" in tags else ""
-    scaled = {k: _scaled(total, share) for k, share in group.shares.items()}
+    scale = _at_share_of_rate if of_rates else _scaled
+    scaled = {k: scale(total, share) for k, share in group.shares.items()}
     return [
         replace(
             scaled[k],
@@ -292,6 +301,21 @@ def _scaled(total: BasicEvent, share: Fraction | Expression) -> BasicEvent:
 
     factor = Constant(share) if isinstance(share, Fraction) else share
     return BasicEvent(total.name, mission_time_h=total.mission_time_h, expression=factor * formula)
+
+
+def _at_share_of_rate(total: BasicEvent, share: Fraction | Expression) -> BasicEvent:
+    """An event with `share` times the rate of `total`, or of its probability where it has no constant rate."""
+    if total.expression is None:
+        return _scaled(total, share)
+    from safety.trees.expressions.expression import Constant, MissionTime
+    from safety.trees.expressions.lifetimes import Exponential, constant_rate
+
+    if (rate := constant_rate(total.expression)) is None:
+        return _scaled(total, share)
+    factor = Constant(share) if isinstance(share, Fraction) else share
+    return BasicEvent(
+        total.name, mission_time_h=total.mission_time_h, expression=Exponential(factor * rate, MissionTime())
+    )
 
 
 def _member_gates(group: CcfGroup, members: list[BasicEvent]) -> dict[str, Gate]:

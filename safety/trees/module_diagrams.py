@@ -41,7 +41,7 @@ class Parts:
     """The diagrams of the modules of one graph, inner ones first."""
 
     def __init__(self, tree: FaultTree, graph: FlatGraph, budgets: Sequence[int], interpreted: bool) -> None:
-        self.tree, self.graph, self.budgets = tree, graph, budgets
+        self.tree, self.graph, self.budgets, self.interpreted = tree, graph, budgets, interpreted
         self.modules, self.members, self.orders, self.builder, self.diagrams = (
             kernel.load(name, interpreted) for name in ("modules", "members", "orders", "builder", "diagram")
         )
@@ -91,11 +91,22 @@ class Parts:
             best = [order for _, order in sorted(tried, key=lambda one: (-one[0], one[1] is not usual))]
             best.insert(1, best.pop(next(i for i, order in enumerate(best) if order is usual)))
             orders = best
+        if usual is not None and len(gates) > 1 and (grown := self._sifted(gates, usual)) is not None:
+            order, builder, root = grown
+            return Part(number, order, self.diagrams.Diagram(*builder.finish(root ^ flip)))
         raise TooLarge(
             f'fault tree "{self.tree.name}": a module of {len(gates)} gates over {len(variables)} variables '
             f"needs more than {self.budgets[-1]} nodes in every order tried; split the tree, or pass larger budgets "
             "to solve()"
         )
+
+    def _sifted(self, gates: array[int], order: array[int]) -> tuple[array[int], Any, int] | None:
+        """As the last resort: an order improved while the diagram is built, a builder and the root in it."""
+        from safety.trees.sifted import Growing
+
+        sifting = kernel.load("sifting", self.interpreted)
+        growing = Growing(self.builder, sifting, self.graph, gates, self.constants, pulse)
+        return growing.built(order, self.budgets[-1])
 
     def _built(self, gates: array[int], order: Sequence[int], budget: int) -> tuple[Any, int]:
         """A builder and the root of the module in it, below 0 where it needs more than the budget."""

@@ -55,23 +55,33 @@ class Record:
 
     def __init__(self, *values: Any, **named: Any) -> None:
         kind: Any = type(self)
-        names, defaults, own = kind.__match_args__, kind.defaults, self.__dict__
-        if len(values) > len(names):
-            raise TypeError(f"{kind.__name__} has {len(names)} fields, {len(values)} values were given")
-        for name, value in zip(names, values, strict=False):
-            if name in named:
-                raise TypeError(f"{kind.__name__}: {name} is given twice")
-            own[name] = value
-        for name in names[len(values) :]:
-            if name in named:
-                own[name] = named.pop(name)
-            elif name in defaults:
-                own[name] = defaults[name]
-            else:
-                raise TypeError(f"{kind.__name__}: {name} is missing")
-        if named:
-            raise TypeError(f"{kind.__name__} has no field {next(iter(named))!r}")
+        names, own = kind.__match_args__, self.__dict__
+        own.update(kind.defaults)
+        own.update(zip(names, values, strict=False))
+        own.update(named)
+        if len(values) > len(names) or len(own) != len(names) or (named and not self._are_new(values, named)):
+            own.clear()
+            raise TypeError(self._wrong(values, named))
         self.__post_init__()
+
+    def _are_new(self, values: tuple[Any, ...], named: dict[str, Any]) -> bool:
+        """Whether the names are fields that have no value yet."""
+        kind: Any = type(self)
+        return kind.kinds.keys() >= named.keys() and named.keys().isdisjoint(kind.__match_args__[: len(values)])
+
+    def _wrong(self, values: tuple[Any, ...], named: dict[str, Any]) -> str:
+        """What is wrong with the values that a record was to be made of."""
+        kind: Any = type(self)
+        names = kind.__match_args__
+        if len(values) > len(names):
+            return f"{kind.__name__} has {len(names)} fields, {len(values)} values were given"
+        for name in names[: len(values)]:
+            if name in named:
+                return f"{kind.__name__}: {name} is given twice"
+        for name in names[len(values) :]:
+            if name not in named and name not in kind.defaults:
+                return f"{kind.__name__}: {name} is missing"
+        return f"{kind.__name__} has no field {next(name for name in named if name not in names)!r}"
 
     def __post_init__(self) -> None:
         """Nothing to check."""

@@ -133,12 +133,18 @@ class Study:
         return _reached(self._pool(top))
 
     def quantified(
-        self, top: str | None = None, *, gates: Iterable[Gate] = (), house: Mapping[str, bool] | None = None
+        self,
+        top: str | None = None,
+        *,
+        gates: Iterable[Gate] = (),
+        house: Mapping[str, bool] | None = None,
+        of_rates: bool = False,
     ) -> FaultTree:
         """The tree below `top` with substitutions and common cause groups applied, for quantification.
 
         `gates` are further gates (`top` may be one of them), `house` the states of house events that differ from those
         written, as in a phase. Substitutions with sources are applied to the cut sets (see `substitutions.exchanged`).
+        With `of_rates` common causes share out failure rates, not probabilities, as the mean time to failure needs.
         Raises TreeError.
         """
         states = house or {}
@@ -152,7 +158,7 @@ class Study:
         if groups := [one for one in self.ccf_groups if set(one.members) & tree.nodes.keys()]:
             from safety.trees.common_cause import apply
 
-            tree = apply(tree, groups, {event.name for event in self.events})
+            tree = apply(tree, groups, {event.name for event in self.events}, of_rates=of_rates)
         return tree
 
     def in_phases(self, top: str | None = None) -> tuple[tuple[Alignment, Phase, FaultTree], ...]:

@@ -7,8 +7,10 @@ import math
 import time
 from fractions import Fraction
 
+from safety.trees.collector import paused
 from safety.trees.formats.json_form import to_document
 from safety.trees.importance.events import plain
+from safety.trees.module_diagrams import TooLarge
 from safety.trees.solve import Solution, solve
 from safety.trees.tree import FaultTree
 
@@ -30,6 +32,7 @@ def summary(tree: FaultTree, *, source: str = "", read_s: float | None = None, l
     return entry_of(solution, source=source, read_s=read_s, solve_s=time.perf_counter() - started, listed=listed)
 
 
+@paused()
 def entry_of(
     solution: Solution,
     *,
@@ -47,10 +50,19 @@ def entry_of(
     building its diagrams took. Probabilities that are not known are None; "exact" is the probability as "p/q" where all
     are rational, the diagram has at most `exact_nodes` nodes and the denominator at most EXACT_BITS bits. The
     probability lies between "probability_low" and "probability_high" whatever the rounding. `listed` cut sets are
-    listed, the smallest or the `likeliest`, of all or of those within limits (`limited`). Raises TooLarge.
+    listed, the smallest or the `likeliest`, of all or of those within limits (`limited`). Where the diagram of all
+    does not fit its budget those up to the largest order that is quickly had are, and "note" says so.
     """
     started, tree = time.perf_counter(), solution.tree
-    _ = solution.probability, limited or solution.counts
+    _ = solution.probability
+    sets: Solution | Truncated | OfDiagram | None = limited or solution
+    note = {}
+    try:
+        _ = limited or solution.counts
+    except TooLarge as why:
+        sets = _quickly_had(tree)
+        if sets is None or not sets.complete:
+            note = {"note": str(why)}
     solve_s += time.perf_counter() - started
     exact = solution.exact if solution.nodes <= exact_nodes else None
     probability, low, high = _enclosed(solution, exact)
@@ -68,12 +80,21 @@ def entry_of(
         "probability_low": low,
         "probability_high": high,
         "exact": None if exact is None or exact.denominator.bit_length() > EXACT_BITS else str(exact),
-        "minimal_cut_sets": cut_set_rows(limited or solution, listed, likeliest),
+        "minimal_cut_sets": None if sets is None else cut_set_rows(sets, listed, likeliest),
         "importance": [plain(measures) | {"source": sources[measures.event]} for measures in importance],
         "structure": to_document(tree),
         "diagram_nodes": solution.nodes,
         "seconds": {"read": read_s, "solve": solve_s, "total": solve_s + (read_s or 0)},
-    }
+    } | note
+
+
+def _quickly_had(tree: FaultTree) -> Truncated | None:
+    """The cut sets up to the largest order that takes little; None of a tree with not or xor."""
+    if not all(gate.kind in ("and", "or", "vote") for gate in tree.gates):
+        return None
+    from safety.trees.cut_sets.truncated import largest_order
+
+    return largest_order(tree)
 
 
 def _enclosed(solution: Solution, exact: Fraction | None) -> tuple[float | None, float | None, float | None]:

@@ -55,19 +55,22 @@ class BasicEvent(Record):
             value = getattr(self, quantity)
             if value is None:
                 continue
-            number = exact(value, f'{quantity} of basic event "{self.name}"', self.name)
-            if number < 0 or (upper is not None and number > upper):
+            number = value
+            if type(value) is not Fraction:
+                number = exact(value, f'{quantity} of basic event "{self.name}"', self.name)
+                object.__setattr__(self, quantity, number)
+            over, under = number.numerator, number.denominator  # compared in whole numbers, which is quick
+            if over < 0 or (upper and over > under):
                 expected = "between 0 and 1" if upper else "0 or more"
                 raise TreeError(
                     f'{quantity} of basic event "{self.name}" is {value}, expected {expected}; correct it', self.name
                 )
-            if number > LARGEST:
+            if not upper and over > LARGEST * under:
                 raise TreeError(
                     f'{quantity} of basic event "{self.name}" is about 1e{len(str(int(number))) - 1}, expected at most '
                     f"{float(LARGEST):.0e}, beyond which no double holds what follows from it; correct it",
                     self.name,
                 )
-            object.__setattr__(self, quantity, number)
         if self.source not in TAGS:
             raise TreeError(
                 f'source tag of basic event "{self.name}" is {self.source!r}, expected P (printed), D (derived), '

@@ -28,7 +28,7 @@ from safety.inject.engine import LANES, NEVER, Batch, Engine, Outcome, Task, eng
 from safety.inject.native import NativeEngine
 from safety.inject.native.program import source
 from safety.inject.store import Store, open_executor, run_sharded
-from safety.terms.llvm import AVX2, _machine, _object
+from safety.terms.llvm import AVX2, _object
 from tests.bench.injection_c import NARROW, WIDE, VectorC
 from tests.bench.injection_campaigns import campaign
 from tests.bench.injection_limits import most_adds, vector_instructions
@@ -171,7 +171,7 @@ def limit(native: Contestant) -> None:
         return
     target, text = native.engine._masked.kernel.target, source(native.engine._masked.kernel)
     width = native.engine.target.lanes
-    computing, moving = vector_instructions(_object(_machine(target), text), "faulty")
+    computing, moving = vector_instructions(_object(target, text), "faulty")
     most = most_adds("clang++" if shutil.which("clang++") else "g++", width)
     steps = -(-native.batch.runs // target.lanes) * FRAMES / statistics.median(native.seconds)
     print(

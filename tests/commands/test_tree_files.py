@@ -81,6 +81,12 @@ def test_the_examples_of_the_help_work_as_printed(run: Run, whole: Path, line: s
         put(whole, "permit.xml", trees + "</opsa-mef>" if "rates.xml" in line else LOGNORMAL)
     put(whole, "rates.xml", "<opsa-mef><model-data>" + data)
     put(whole, "permit.dft", STATIC)
+    put(whole, "plant.dft", DYNAMIC)
+    put(
+        whole,
+        "data.xml",
+        "<opsa-mef><model-data>" + data.replace('name="b"', 'name="A"').replace('name="a"', 'name="B"'),
+    )
     hazard = whole / "proofs/counter_hazard.py"
     hazard.write_text(hazard.read_text().replace("no_alarm", "no_brake"))
     called = run(*line.split()[1:])
@@ -152,7 +158,7 @@ def test_samples_set_to_the_range_are_said(run: Run) -> None:
     words = ("lognormal.xml", "--uncertainty", "500")
     times = solved(run, *words)["uncertainty"]["set_to_range"]["b"]
     assert times > 50  # a normal of mean 0.01 and deviation 0.02 is below 0 in about 3 of 10
-    assert f"b: {times} samples out of range, set to the nearer end of 0 to 1" in run("tree", *words).out
+    assert f"b: {times} samples out of range, set to the nearer end of the range" in run("tree", *words).out
 
 
 def test_sequences_that_rest_on_an_assumed_event_are_marked(run: Run) -> None:
@@ -284,7 +290,7 @@ def test_files_that_hold_no_one_tree_are_told_in_the_words_of_the_command(run: R
         assert called.code == 2 and said in called.err and name in called.err and "read_study" not in called.err
 
 
-@pytest.mark.parametrize(("name", "said"), [("after.xml", "holds event trees"), ("phases.xml", "one for each phase")])
+@pytest.mark.parametrize(("name", "said"), [("phases.xml", "one for each phase")])
 def test_pictures_of_several_trees_are_refused_before_solving(
     run: Run, monkeypatch: pytest.MonkeyPatch, name: str, said: str
 ) -> None:
@@ -354,3 +360,14 @@ def test_what_was_found_is_shown_even_where_the_disk_is_full(run: Run) -> None:
     called = run("tree", "pumps.json", "--hours", "10", "--json", "/dev/full")
     assert called.code == 2
     assert "probability 2.97007 × 10⁻⁴" in called.out and "/dev/full: No space left on device" in called.err
+
+
+def test_the_exact_probability_is_shown_or_its_absence_is_told(run: Run) -> None:
+    whole_text = run("tree", "wide.json", "--exact").out
+    exact = solved(run, "wide.json", "--exact")["exact"]
+    assert (
+        f", exactly {exact}" if len(exact) <= 60 else f"; exactly in --json ({len(exact)} characters)"
+    ) in whole_text
+    called = run("tree", "pumps.json", "--hours", "10", "--exact")
+    assert called.code == 4 and "no exact probability is given: an event has no rational one" in called.out
+    assert "exactly" not in run("tree", "pumps.json", "--hours", "10").out

@@ -17,6 +17,7 @@ import pytest
 from safety.inject.store import StoreError, open_executor
 from safety.inject.store.executors import Serial
 from safety.inject.store.pool import ATTEMPTS, Processes, WorkerDiedError
+from tests.inject import timer_project as timer
 
 
 @pytest.fixture(scope="module")
@@ -47,7 +48,7 @@ def test_what_cannot_be_pickled_is_an_error_of_its_call_only(processes: Processe
 
 def test_a_killed_worker_is_replaced_and_its_task_done_again(processes: Processes) -> None:
     slow = [processes.submit(time.sleep, 0.3) for _ in range(3)]
-    time.sleep(0.1)
+    timer.until(lambda: len(processes._live) == sum(task.running() for task in slow) == processes.workers)
     for worker in tuple(processes._live):
         assert worker.process.pid is not None
         os.kill(worker.process.pid, signal.SIGKILL)

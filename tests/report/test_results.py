@@ -201,3 +201,12 @@ def test_an_interrupted_write_leaves_the_old_file(tmp_path: Path, monkeypatch: p
         save(empty(rightside="2"), file)
     assert load(file)["tool"] == {"rightside": "1"}
     assert [path.name for path in tmp_path.iterdir()] == ["results.json"]
+
+
+def test_a_report_without_event_trees_does_not_name_them() -> None:
+    document: Results = {"schema": "rightside/1", "event_trees": []}
+    assert "event_trees" not in canonical(document)
+    one = {"id": "leak", "sequences": [], "seconds": {"total": 1.0}}
+    assert canonical(document | {"event_trees": [one]})["event_trees"] == [{"id": "leak", "sequences": []}]
+    merged = merge(document | {"event_trees": [one]}, document | {"event_trees": [one | {"id": "fire"}]})
+    assert [entry["id"] for entry in merged["event_trees"]] == ["fire", "leak"]

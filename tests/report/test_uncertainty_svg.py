@@ -112,7 +112,7 @@ def test_samples_are_a_gap_since_they_are_not_all() -> None:
 def test_samples_out_of_range_are_said_on_the_page() -> None:
     entry = solved()
     entry["uncertainty"]["set_to_range"] = {"pump": 12}
-    assert "12 samples of pump, set to the nearer end of 0 to 1" in html({"schema": "rightside/1", "trees": [entry]})
+    assert "12 samples of pump, set to the nearer end of the range" in html({"schema": "rightside/1", "trees": [entry]})
 
 
 def test_fields_that_are_none_are_refused() -> None:

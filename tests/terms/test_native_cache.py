@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from safety.terms import llvm
-from safety.terms.llvm import PLAIN, Library, host
+from safety.terms.llvm import PLAIN, Library, Target, host
 
 TEXT = "define void @put(ptr %%place) {\n  store i64 %d, ptr %%place\n  ret void\n}\n"
 
@@ -20,9 +20,9 @@ def compiled(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> list[str]:
     texts: list[str] = []
     inner = llvm._object
 
-    def noted(machine: Any, text: str) -> bytes:
+    def noted(target: Target, text: str) -> bytes:
         texts.append(text)
-        return inner(machine, text)
+        return inner(target, text)
 
     monkeypatch.setattr(llvm, "_object", noted)
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))

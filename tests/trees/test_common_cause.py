@@ -15,7 +15,7 @@ from safety.trees.common_cause import FIRST_LEVEL, CcfGroup, apply
 from safety.trees.expressions.distributions import Uniform
 from safety.trees.expressions.expression import MissionTime, Parameter
 from safety.trees.expressions.lifetimes import Exponential
-from safety.trees.formats.files import read_study
+from safety.trees.formats.files import read_study, write
 from safety.trees.over_time.averages import averages
 from safety.trees.over_time.mission import Mission
 from tests.trees.brute import Truth
@@ -298,3 +298,34 @@ def test_shares_of_a_rate_follow_the_mission():
     own = tuple(BasicEvent(name, rate_per_hour="1e-5", mission_time_h=10) for name in group.members)
     apart = averages(Mission(apply(replace(tree, events=own), [group])))
     assert apart.frequency is None and "of a fixed time" in apart.unknown
+
+
+STAGGERED = """<opsa-mef><define-fault-tree name="t"><define-gate name="top"><and><event name="a"/><event name="b"/>
+</and></define-gate></define-fault-tree><define-CCF-group name="G" model="alpha-factor">{attributes}<members>
+<basic-event name="a"/><basic-event name="b"/></members><distribution><float value="0.1"/></distribution><factors>
+<factor level="1"><float value="0.9"/></factor><factor level="2"><float value="0.1"/></factor></factors>
+</define-CCF-group></opsa-mef>"""
+TESTING = '<attributes><attribute name="testing" value="{0}"/></attributes>'
+
+
+@pytest.mark.parametrize(
+    ("attributes", "q1", "q2"),
+    [
+        ("", Fraction(9, 110), Fraction(2, 110)),
+        (TESTING.format("non-staggered"), Fraction(9, 110), Fraction(2, 110)),
+        (TESTING.format("staggered"), Fraction(9, 100), Fraction(1, 100)),
+    ],
+)
+def test_an_attribute_of_the_file_says_that_testing_is_staggered(tmp_path, attributes, q1, q2):
+    (tmp_path / "t.xml").write_text(STAGGERED.format(attributes=attributes))
+    study = read_study(tmp_path / "t.xml")
+    assert solve(study.quantified()).exact == 1 - (1 - q2) * (1 - q1**2)
+    for again in ("again.xml", "again.json"):
+        write(study, tmp_path / again)
+        assert read_study(tmp_path / again).ccf_groups == study.ccf_groups
+
+
+def test_an_unknown_kind_of_testing_is_refused(tmp_path):
+    (tmp_path / "t.xml").write_text(STAGGERED.format(attributes=TESTING.format("monthly")))
+    with pytest.raises(TreeError, match="has testing 'monthly', expected non-staggered or staggered"):
+        read_study(tmp_path / "t.xml")

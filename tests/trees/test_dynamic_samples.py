@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from safety.rates.exceptions import NumericsFailed
 from safety.trees import TreeError
 from safety.trees.dynamic.samples import probabilities
 from safety.trees.dynamic.solve import solve_dynamic
@@ -16,7 +17,7 @@ def tree(text=TEXT):
     return read_galileo(text.encode(), "test.dft")
 
 
-@pytest.mark.parametrize("time", [0, 0.001, 2.0, 40.0])
+@pytest.mark.parametrize("time", [0, 0.001, 2.0, 40.0, 150.0, 1e4, 1e9])
 def test_each_sample_as_if_solved_anew(time):
     draw = np.random.default_rng(7)
     rates = {name: draw.lognormal(-1, 1, 6) for name in ("A", "B", "D", "X")}
@@ -50,10 +51,25 @@ def test_what_is_refused(rates, message):
         probabilities(solve_dynamic(tree()), rates, 1.0)
 
 
-def test_alike_events_need_alike_rates():
+def test_alike_events_with_unequal_rates_are_told_apart():
     text = "toplevel T; T pand G C; G and A B; A lambda=1; B lambda=1; C lambda=1;"
-    with pytest.raises(TreeError, match="A, B were taken to be alike"):
-        probabilities(solve_dynamic(tree(text)), {"A": [1.0, 2.0]}, 1.0)
+    assert solve_dynamic(tree(text)).states["T"].equal_events
+    told = probabilities(solve_dynamic(tree(text)), {"A": [1.0, 2.0]}, 1.0)
     apart = probabilities(solve_dynamic(tree(text), symmetry=False), {"A": [1.0, 2.0]}, 1.0)
     together = probabilities(solve_dynamic(tree(text)), {"A": [1.0, 2.0], "B": [1.0, 2.0]}, 1.0)
-    assert apart[0] == pytest.approx(together[0], rel=1e-14) and apart[1] < together[1]
+    assert told == apart and apart[0] == pytest.approx(together[0], rel=1e-14) and apart[1] < together[1]
+
+
+@pytest.mark.parametrize("time_h", [-1, 10**151, 10**400])
+def test_times_out_of_range(time_h):
+    for compute in (
+        lambda: probabilities(solve_dynamic(tree()), {"A": [1.0]}, time_h),
+        lambda: solve_dynamic(tree()).probability(time_h),
+    ):
+        with pytest.raises(TreeError, match=r"time is .* h, expected 0 to 1e\+150"):
+            compute()
+
+
+def test_rates_and_times_beyond_all_doubles():
+    with pytest.raises(NumericsFailed, match="beyond all doubles"):
+        probabilities(solve_dynamic(tree()), {"A": [1e200]}, 10**140)

@@ -12,6 +12,7 @@ from safety.trees import BasicEvent, FaultTree, Gate, kernel, solve
 from tests.trees.brute import Truth
 from tests.trees.random_trees import random_tree
 from tests.trees.test_random_trees import disagreements
+from tests.trees.test_sifting import wrongly_sifted
 
 FOLDER = Path(kernel.__file__).parent
 PREFIX = kernel.__name__
@@ -76,7 +77,7 @@ BUGS = {
     "a vote counts one too few": ("builder", "range(min(k, i + 1), 0, -1)", "range(min(k, i), 0, -1)"),
     "a vote counts an input twice": ("builder", "range(min(k, i + 1), 0, -1)", "range(1, min(k, i + 1) + 1)"),
     "xor with true": ("builder", "return g ^ 1 ^ flip", "return g ^ flip"),
-    "an or begins with true": ("builder", "result = 0 if kind == AND else 1", "result = 0"),
+    "an or begins with true": ("builder", "joined: cython.int = 0 if kind == AND else 1", "joined: cython.int = 0"),
     "the last numbering loses complements": ("builder", " + (self.node[at + 2] & 1)", ""),
     "the chance of an opposite": ("diagram", "chance[l ^ 1]", "chance[l]"),
     "importance below a complement": ("diagram", "child = self.low[i] ^ side", "child = self.low[i]"),
@@ -101,6 +102,13 @@ BUGS = {
     "a context through a vote": ("absorb", "if self.kind[g] == AND and not self.bit", "if not self.bit"),
     "merging of what only looks alike": ("merge", "& 0x3FFFFFFF", "& 0", "not in (0, size[leader])", "in ()"),
     "a module that is used elsewhere": ("modules", " and self.latest[below] < self.left[gate]", ""),
+    "a swap loses a complement": ("sifting", "self.node[b + LOW] ^ (f0 & 1)", "self.node[b + LOW]"),
+    "a swap mixes up children": ("sifting", "f10 = self.edge(x, f10, f00)", "f10 = self.edge(x, f10, f01)"),
+    "a swap forgets a use": ("sifting", "self.node[8 * cython.cast(cython.longlong, f11 >> 1) + USES] += 1", "pass"),
+    "what is unused stays": ("sifting", "if i and self.node[at + USES] == 0:", "if False:"),
+    "a swapped node is known without its variable": ("sifting", " and self.node[at] == variable", ""),
+    "a variable stays where it went": ("sifting", "while self.level_of[variable] < best_level:", "while False:"),
+    "sifted numbers lose complements": ("sifting", " + (self.node[at + LOW] & 1)", ""),
     "a module with a complement": ("modules", "if self.inputs[i] & 1 or not self.plain", "if not self.plain"),
 }  # fmt: skip
 
@@ -127,11 +135,11 @@ def plant(monkeypatch):
     kernel.load.cache_clear()
 
 
-def found_by(seeds):
+def found_by(seeds, wrong=lambda seed: disagreements(random_tree(seed, 6 + seed % 5), interpreted=True)):
     """The first seed whose tree gives the bug away, None if none does."""
     for seed in seeds:
         try:
-            if disagreements(random_tree(seed, 6 + seed % 5), interpreted=True):
+            if wrong(seed):
                 return seed
         except Exception:  # a kernel that breaks down has been found out as well
             return seed
@@ -141,7 +149,8 @@ def found_by(seeds):
 @pytest.mark.parametrize("bug", BUGS)
 def test_a_planted_bug_is_found(bug, plant):
     plant(*BUGS[bug])
-    assert found_by(range(SEEDS)) is not None
+    wrong = (wrongly_sifted,) if BUGS[bug][0] == "sifting" else ()
+    assert found_by(range(SEEDS), *wrong) is not None
 
 
 def test_what_is_planted_is_gone_again(plant):

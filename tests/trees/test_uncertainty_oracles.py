@@ -10,12 +10,16 @@ import math
 import re
 import shutil
 import subprocess
+from fractions import Fraction
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from safety.trees import read
+from safety.trees.event_trees import uncertainty as sequences
+from safety.trees.event_trees.answers import analyse
+from safety.trees.formats.files import read_study
 from safety.trees.solve import solve
 from safety.trees.uncertainty.propagation import Uncertainty, propagate
 from safety.trees.uncertainty.sampling import Plan
@@ -27,11 +31,12 @@ pytestmark = pytest.mark.skipif(
 )
 
 
-def scram(files: list[Path], hours: int) -> tuple[float, float, list[tuple[float, float]]]:
-    """Mean, standard deviation, and (level, quantile)."""
+def scram(files: list[Path], hours: int, sequence: str = "") -> tuple[float, float, list[tuple[float, float]]]:
+    """Mean, standard deviation, and (level, quantile), of a top event or of a sequence."""
     options = f"--probability 1 --uncertainty 1 --num-trials {N} --num-quantiles 20 --seed 12 --mission-time {hours}"
     run = subprocess.run(["scram", *options.split(), *map(str, files)], capture_output=True, text=True, timeout=60)
-    measure = run.stdout[run.stdout.index("<measure") :]
+    which = f'<measure initiating-event="I" name="{sequence}"' if sequence else "<measure"
+    measure = run.stdout[run.stdout.index(which) :].partition("</measure>")[0]
     mean, deviation = (
         float(re.search(rf'<{tag} value="([^"]+)"', measure)[1])  # type: ignore[index]
         for tag in ("mean", "standard-deviation")
@@ -83,6 +88,29 @@ def test_all_distributions_and_shared_parameters_agree_with_scram(tmp_path: Path
     found = propagate(solve(read(file, mission_time_h=8000)), Plan(N, seed=3))
     assert found.variables == ("c", "hidden", "rate", "share")
     assert disagreements(found, *scram([file], 8000)) == []
+
+
+FORKS = """<define-initiating-event name="I" event-tree="after"/><define-event-tree name="after">
+<define-functional-event name="F"/><define-functional-event name="G"/><define-sequence name="S"/>
+<define-sequence name="T"/><define-sequence name="U"/><initial-state><fork functional-event="F">
+<path state="works"><collect-formula><not><gate name="top"/></not></collect-formula><sequence name="S"/></path>
+<path state="fails"><collect-formula><gate name="top"/></collect-formula><fork functional-event="G">
+<path state="works"><collect-formula><not><basic-event name="e"/></not></collect-formula><sequence name="T"/></path>
+<path state="fails"><collect-formula><basic-event name="e"/></collect-formula><sequence name="U"/></path>
+</fork></path></fork></initial-state></define-event-tree>"""
+
+
+@pytest.mark.parametrize("sequence", ["S", "T", "U"])
+def test_the_sequences_of_an_event_tree_agree_with_scram(tmp_path: Path, sequence: str) -> None:
+    """Successes that share parameters and events with failures."""
+    file = tmp_path / "forks.xml"
+    file.write_text(MIXED.replace("<opsa-mef>", "<opsa-mef>" + FORKS))
+    study = read_study(file, mission_time_h=8000)
+    answers = [(analyse(study, study.initiating_events[0]), Fraction(1))]
+    found = sequences.propagate(answers, Plan(N, seed=3), study.mission_time_h)[0][sequence].probability
+    peer = scram([file], 8000, sequence)
+    assert len(peer[2]) > 15 and disagreements(found, *peer) == []
+    assert disagreements(Uncertainty(found.values * 1.05, plan=found.plan), *peer)  # so much is seen
 
 
 @pytest.mark.parametrize("name", FILES)

@@ -16,10 +16,13 @@ if TYPE_CHECKING:
     from typing import Any
 
     _Todo = tuple[int, int, int, "_Todo" | None]  # module, node, number of events, what comes after
+    _Chosen = tuple[int, "_Chosen" | None]  # an event, those chosen before
 
 EMPTY = 1  # the node of the family of just the empty set
 DIGITS = 9  # of logarithms that are compared: what is left is rounding, and would lead the search astray
 WORD = 64  # orders below it have a bit each in the kernel's masks
+LARGEST_PRIMES = (1, 19, 61, 69, 85, 99, 105, 151, 159, 171, 225, 249, 295, 325, 379, 399)  # 2^31 less these
+PRIMES = tuple([(1 << 31) - less for less in LARGEST_PRIMES])
 CutSet = tuple[int, ...]
 
 
@@ -38,9 +41,7 @@ class Families:
         counts: dict[int, tuple[int, ...]] = {}
         for module, (family, variables) in self.members.items():
             weights = [counts.get(variable, (0, 1)) for variable in variables]
-            row = family.counts(weights)
-            if row is None:
-                row = _counts(family, weights)
+            row = _counts(family, weights)
             while row and not row[-1]:
                 row.pop()
             counts[module] = tuple(row)
@@ -50,19 +51,21 @@ class Families:
         """The cut sets by increasing order; within an order, as the diagrams have them."""
         masks = self._masks()
         root = self.members[self.top][0].root
+        nodes = {module: family.node for module, (family, _) in self.members.items()}
         whole = masks[self.top][root]
         for order in range(whole.bit_length()):
             if whole >> order & 1:
-                yield from self._of_order(masks, order)
+                yield from self._of_order(masks, nodes, order)
 
-    def _of_order(self, masks: Mapping[int, Sequence[int]], order: int) -> Iterator[CutSet]:
-        """The search state: a chain of nodes to resolve, each with the events it must add, and the events chosen."""
-        agenda: list[tuple[_Todo | None, CutSet]] = [((self.top, self.members[self.top][0].root, order, None), ())]
-        nodes = {module: family.node for module, (family, _) in self.members.items()}
+    def _of_order(self, masks: Mapping[int, Sequence[int]], nodes: Mapping[int, Any], order: int) -> Iterator[CutSet]:
+        """The search state: a chain of nodes to resolve, each with the events it must add, and those chosen."""
+        agenda: list[tuple[_Todo | None, _Chosen | None]] = [
+            ((self.top, self.members[self.top][0].root, order, None), None)
+        ]
         while agenda:
             todo, chosen = agenda.pop()
             if todo is None:
-                yield chosen
+                yield _listed(chosen)
                 continue
             module, node, events, rest = todo
             mask = masks[module]
@@ -76,13 +79,11 @@ class Families:
             agenda.append(((module, low, events, rest), chosen))
             if variable not in self.members:
                 if events:
-                    agenda.append(((module, high, events - 1, rest), (*chosen, variable)))
+                    agenda.append(((module, high, events - 1, rest), (variable, chosen)))
                 continue
             root = self.members[variable][0].root
-            inner = masks[variable][root]
-            for inside in range(min(events, inner.bit_length() - 1) + 1):
-                if inner >> inside & 1 and mask[high] >> (events - inside) & 1:
-                    agenda.append(((variable, root, inside, (module, high, events - inside, rest)), chosen))
+            for inside in _splits(events, masks[variable][root], mask[high]):
+                agenda.append(((variable, root, inside, (module, high, events - inside, rest)), chosen))
 
     def likeliest_first(self, chance: Mapping[int, float]) -> Iterator[tuple[float, CutSet]]:
         """The cut sets by decreasing product of the chances of their events, each with that product.
@@ -142,17 +143,71 @@ def _masks(family: Any, inner: Sequence[int]) -> list[int]:
     masks, node = [0, 1], family.node
     for i in range(2, family.count):
         level, high, low, _ = node[4 * i : 4 * i + 4]
-        mask, shift, product = inner[level], 0, 0
-        while mask:
-            if mask & 1:
-                product |= masks[high] << shift
-            mask, shift = mask >> 1, shift + 1
-        masks.append(masks[low] | product)
+        masks.append(masks[low] | _sums(inner[level], masks[high]))
     return masks
 
 
+def _listed(chosen: _Chosen | None) -> CutSet:
+    """The events of a chain."""
+    events = []
+    while chosen is not None:
+        event, chosen = chosen
+        events.append(event)
+    return tuple(reversed(events))
+
+
+def _splits(total: int, inside: int, outside: int) -> Iterator[int]:
+    """Each number of the bits `inside` that a number of `outside` makes up to `total`, by increasing size."""
+    if inside.bit_count() <= outside.bit_count():
+        yield from (n for n in _members(inside) if n <= total and outside >> (total - n) & 1)
+    else:
+        numbers = [total - n for n in _members(outside) if n <= total and inside >> (total - n) & 1]
+        yield from reversed(numbers)
+
+
+def _members(bits: int) -> Iterator[int]:
+    """The numbers of the bits that are set."""
+    while bits:
+        lowest = bits & -bits
+        yield lowest.bit_length() - 1
+        bits ^= lowest
+
+
+def _sums(a: int, b: int) -> int:
+    """As bits, the sums of a number of `a` and one of `b`."""
+    few, many = sorted((a, b), key=int.bit_count)
+    sums = 0
+    for n in _members(few):
+        sums |= many << n
+    return sums
+
+
 def _counts(family: Any, weights: Sequence[Sequence[int]]) -> list[int]:
-    """The same as the kernel's `counts`, for numbers of any size."""
+    """The number of sets of a family by order, from those of the variable of each level, at any size.
+
+    The kernel counts modulo primes, as many as tell all numbers up to the size of the family apart; where that takes
+    more than there are here, counting in whole numbers is as quick.
+    """
+    try:
+        bits = math.log2(2 + family.size(array("d", [float(sum(row)) for row in weights]))) + 1
+    except OverflowError:
+        bits = math.inf
+    if not bits < 30 * len(PRIMES):
+        return _large_counts(family, weights)
+    row: list[int] = family.counts(weights, PRIMES[0])
+    modulus = PRIMES[0]
+    for prime in PRIMES[1:]:
+        if modulus.bit_length() > bits + 1:
+            break
+        inverse = pow(modulus, -1, prime)
+        others = family.counts(weights, prime)
+        row = [one + modulus * ((other - one) * inverse % prime) for one, other in zip(row, others, strict=True)]
+        modulus *= prime
+    return row
+
+
+def _large_counts(family: Any, weights: Sequence[Sequence[int]]) -> list[int]:
+    """The same in whole numbers."""
     counts: list[list[int]] = [[], [1]]
     node = family.node
     for i in range(2, family.count):

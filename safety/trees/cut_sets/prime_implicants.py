@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from typing import Any, NamedTuple
 
 from safety.trees import kernel
-from safety.trees.module_diagrams import TooLarge
+from safety.trees.module_diagrams import TooLarge, pulse
 from safety.trees.recursion import deeply
 from safety.trees.solve import Solution
 
@@ -46,7 +46,7 @@ class PrimeImplicants:
         number, plain = key
         part = self._parts[number]
         diagram = part.diagram
-        primes = module.Primes(len(part.order), budget)
+        primes = module.Primes(len(part.order), budget, pulse)
         root = primes.of(diagram.level, diagram.high, diagram.low, diagram.root ^ (not plain))
         if root < 0:
             raise TooLarge(

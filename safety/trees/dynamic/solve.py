@@ -17,7 +17,7 @@ from safety.trees.dynamic.modules import Part, parts, whole
 from safety.trees.dynamic.states import BUDGET, States, explore
 from safety.trees.dynamic.tree import DynamicTree, TimedEvent
 from safety.trees.solve import Solution, solve
-from safety.trees.tree import FaultTree
+from safety.trees.tree import LARGEST, FaultTree
 
 EXACT_NODES = 20_000  # largest diagram that is evaluated in rationals
 CHANCE_ERROR = 12 * HALF_ULP  # of 1 - exp(-rate x time) in doubles, relative
@@ -60,6 +60,18 @@ class DynamicSolution:
                 )
         return DynamicSolution(self.tree, self.parts, self.states, self.diagrams, self._search, {**self.rates, **rates})
 
+    def states_given(self, part: str, there: Mapping[str, bool], symmetry: bool = True) -> States:
+        """The states of a part's chain, given of some events of fixed probability whether they are there.
+
+        Without `symmetry` no events are taken to be alike.
+        """
+        if symmetry and not there:
+            return self.states[part]
+        tree = self.states[part].tree
+        events = (replace(e, probability=Fraction(there[e.name])) if e.name in there else e for e in tree.events)
+        search = self._search if symmetry else partial(self._search, symmetry=False)
+        return search(replace(tree, events=tuple(events)))
+
     def probability(self, time_h: Rational) -> Enclosure:
         """Probability that the top has failed by `time_h` hours. Raises as `probabilities`."""
         return self.probabilities([time_h])[0]
@@ -73,9 +85,7 @@ class DynamicSolution:
 
     def curves(self, times_h: Sequence[Rational]) -> dict[str, list[Enclosure]]:
         """The same for every part, by its gate. Raises as `probabilities`."""
-        times = [exact(time, "time") for time in times_h]
-        if any(time < 0 for time in times):
-            raise TreeError(f"time is {min(times)} h, expected 0 or more")
+        times = [checked_time(time) for time in times_h]
         hours = [float(time) for time in times]
         known: dict[str, list[Enclosure]] = {}
         for part in self.parts:
@@ -156,6 +166,15 @@ class DynamicSolution:
         if len(self.parts) == 1 and self.parts[0].static is None:
             return self.chains[self.parts[0].name].mean_time
         return FailureChain(self._search(whole(self.tree), budget=budget), self.rates).mean_time
+
+
+def checked_time(time_h: Rational, what: str = "time") -> Fraction:
+    """A time in hours, if it is from 0 to LARGEST. Raises TreeError if it is not."""
+    time = exact(time_h, what)
+    if not 0 <= time <= LARGEST:
+        shown = time if time < LARGEST else f"about 1e{len(str(int(time))) - 1}"
+        raise TreeError(f"{what} is {shown} h, expected 0 to {float(LARGEST):.0e}; correct it")
+    return time
 
 
 def solve_dynamic(

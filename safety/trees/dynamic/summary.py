@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import math
 import time
+from collections.abc import Mapping
 from fractions import Fraction
 from typing import Any
 
 from safety.rates.enclosure import INFINITE, Enclosure, Extended
 from safety.rates.exceptions import NumericsFailed
-from safety.trees.as_written import Rational, TreeError, exact
+from safety.trees.as_written import Rational
 from safety.trees.dynamic.mean import bounded_mean_time
 from safety.trees.dynamic.sequences import LONGEST, cut_sequences
-from safety.trees.dynamic.solve import DynamicSolution, joined_tree, solve_dynamic
+from safety.trees.dynamic.solve import DynamicSolution, checked_time, joined_tree, solve_dynamic
 from safety.trees.dynamic.tree import DynamicTree
 from safety.trees.formats.draft import at
 from safety.trees.formats.galileo import to_galileo
@@ -24,6 +25,7 @@ from safety.trees.summary import LISTED, cut_set_rows
 POINTS = 20  # of the curve, evenly spread over the mission time
 MEAN_BUDGET = 20_000  # states of the whole tree as one chain, for the mean time
 SHOWN = 10  # cut sequences of a part, in the text
+NO_TAGS: Mapping[str, str] = {}
 EXACT_DIGITS = 200  # longest exact rational written out
 
 
@@ -34,20 +36,21 @@ def dynamic_summary(
     source: str = "",
     read_s: float | None = None,
     ties: str = "refuse",
+    solution: DynamicSolution | None = None,
+    tags: Mapping[str, str] = NO_TAGS,
 ) -> dict[str, Any]:
-    """Solve `tree` and give its entry for the "trees" of a results document.
+    """Solve `tree`, unless its `solution` is given, and give its entry for the "trees" of a results document.
 
     "probability" is that of the top by `mission_time_h` (None without). Where parts were solved apart, cut sets and
     importance are those of the static tree that joins them, in which a dynamic part stands as one event of its name.
-    "dynamic" holds mean time to failure, probability of ever failing, the parts and the curve. Raises TreeError where
-    the order of simultaneous failures would change the result and ties="refuse", TooLarge, NumericsFailed.
+    "dynamic" holds mean time to failure, probability of ever failing, the parts and the curve. `tags` are the source
+    tags of basic events. Raises TreeError where the order of simultaneous failures would change the result and
+    ties="refuse", TooLarge, NumericsFailed.
     """
     started = time.perf_counter()
     with at(source):
-        solution = solve_dynamic(tree, ties=ties)
-    end = None if mission_time_h is None else exact(mission_time_h, "mission_time_h")
-    if end is not None and end < 0:
-        raise TreeError(f"mission_time_h is {end}, expected 0 or more hours")
+        solution = solution or solve_dynamic(tree, ties=ties)
+    end = None if mission_time_h is None else checked_time(mission_time_h, "mission_time_h")
     times = [] if end is None else [end * at / POINTS for at in range(POINTS + 1)]
     curves = solution.curves(times)
     top = _figure(curves[tree.top][-1] if times else None)
@@ -63,8 +66,8 @@ def dynamic_summary(
         "probability_high": top["high"],
         "exact": None,
         "minimal_cut_sets": None if joined is None else cut_set_rows(joined, LISTED),
-        "importance": [] if joined is None else _importance(joined),
-        "structure": _structure(tree),
+        "importance": [] if joined is None else _importance(joined, _with_parts(solution, tags)),
+        "structure": _structure(tree, tags),
         "dynamic": {
             "elements": list(tree.dynamic_elements),
             "ties": ties,
@@ -83,12 +86,14 @@ def dynamic_summary(
     return entry | {"seconds": {"read": read_s, "solve": solved, "total": solved + (read_s or 0)}}
 
 
-def _structure(tree: DynamicTree) -> dict[str, Any]:
+def _structure(tree: DynamicTree, tags: Mapping[str, str]) -> dict[str, Any]:
     """What the picture shows: gates and events, and beside them what depends on a trigger and what is restricted."""
     gates = [{"name": one.name, "kind": one.kind, "inputs": list(one.inputs), "k": one.k} for one in tree.gates]
     numbers = ("rate_per_hour", "probability")
     events = [
-        {"name": one.name} | {key: str(getattr(one, key)) for key in numbers if getattr(one, key) is not None}
+        {"name": one.name}
+        | {key: str(getattr(one, key)) for key in numbers if getattr(one, key) is not None}
+        | ({"source": tags[one.name]} if tags.get(one.name) else {})
         for one in tree.events
     ]
     return {
@@ -113,9 +118,16 @@ def _joined(solution: DynamicSolution, end: Fraction) -> Any:
     return None if tree is None else solve(tree)
 
 
-def _importance(joined: Any) -> list[dict[str, Any]]:
+def _with_parts(solution: DynamicSolution, tags: Mapping[str, str]) -> dict[str, str]:
+    """The tags of events, and of the parts that rest on an assumed one."""
+    chains = solution.states.items()
+    parts = {name: "A" for name, states in chains if any(tags.get(event.name) == "A" for event in states.tree.events)}
+    return {**tags, **parts}
+
+
+def _importance(joined: Any, tags: Mapping[str, str]) -> list[dict[str, Any]]:
     rows = sorted(joined.importance().values(), key=lambda row: (-(row.criticality or 0), row.event))
-    return [plain(row) | {"source": ""} for row in rows]
+    return [plain(row) | {"source": tags.get(row.event, "")} for row in rows]
 
 
 def _part(solution: DynamicSolution, name: str, curve: list[Enclosure], timed: bool) -> dict[str, Any]:

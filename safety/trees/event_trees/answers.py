@@ -25,7 +25,7 @@ from safety.trees.as_written import TreeError
 from safety.trees.event_trees.gates import Formulas
 from safety.trees.event_trees.paths import Course, by_sequence, courses
 from safety.trees.expressions.arithmetics import Interval, Intervals
-from safety.trees.expressions.expression import Constant, Expression
+from safety.trees.expressions.expression import Constant, Expression, draws
 from safety.trees.importance.events import Importance, measures
 from safety.trees.module_diagrams import TooLarge
 from safety.trees.solve import Solution, solve
@@ -81,6 +81,7 @@ class Part:
 
     factor: Figure
     solution: Solution
+    expressions: tuple[Factor, ...] = ()  # whose product `factor` is
 
     @cached_property
     def probability(self) -> Figure | None:
@@ -109,14 +110,14 @@ class SequenceAnswer:
         """What each basic event does to the probability of the sequence (`importance` has the measures)."""
         if self.probability is None:
             return {}
+        if len(self.parts) == 1 and self.parts[0].factor == ONE:
+            return self.solution.importance()
         top = self.probability.value
         slopes: dict[str, float] = {}
         for part in self.parts:
             for name, one in part.solution.importance().items():
                 slopes[name] = slopes.get(name, 0.0) + part.factor.value * one.birnbaum
         chances = {name: q for part in self.parts for name, q in _chances(part.solution).items()}
-        if len(self.parts) == 1 and self.parts[0].factor == ONE:
-            return self.solution.importance()
         return {
             name: measures(name, q, top, top + (1 - q) * slopes[name], max(0.0, top - q * slopes[name]))
             for name, q in chances.items()
@@ -204,14 +205,23 @@ def consequences(answers: Iterable[tuple[EventTreeAnswer, Fraction]]) -> dict[st
 def _sequence(name: str, paths: tuple[Course, ...], formulas: Formulas, study: Study) -> SequenceAnswer:
     description = next((s.description for tree in study.event_trees for s in tree.sequences if s.name == name), "")
     solution = solve(formulas.tree(name, paths, description))
-    groups: dict[tuple[Factor, ...], list[Course]] = {}
+    groups: dict[tuple[Factor | int, ...], list[Course]] = {}
     for course in paths:
-        groups.setdefault(course.expressions, []).append(course)
+        groups.setdefault(tuple(_variable(one) for one in course.expressions), []).append(course)
     parts = tuple(
-        Part(_value(expressions, study), solution if len(groups) == 1 else solve(formulas.tree(name, together)))
-        for expressions, together in groups.items()
+        Part(
+            _value(together[0].expressions, study),
+            solution if len(groups) == 1 else solve(formulas.tree(name, together)),
+            together[0].expressions,
+        )
+        for together in groups.values()
     )
     return SequenceAnswer(name, paths, solution, parts)
+
+
+def _variable(one: Factor) -> Factor | int:
+    """What is equal for expressions that are always equal: with a distribution of its own it is like no other."""
+    return id(one) if isinstance(one, Expression) and draws(one) else one
 
 
 def _value(expressions: tuple[Factor, ...], study: Study) -> Figure:

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Iterator
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any
+from itertools import groupby
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from safety.trees.event_trees.answers import EventTreeAnswer, Figure, SequenceAnswer, analyse, consequences
 from safety.trees.importance.events import plain
@@ -12,62 +14,104 @@ from safety.trees.study import expressions_in
 from safety.trees.summary import EXACT_BITS, LISTED, cut_set_rows
 
 if TYPE_CHECKING:
-    from safety.trees.study import Phase, Study
+    from safety.trees.study import Alignment, Phase, Study
+    from safety.trees.uncertainty.sampling import Plan
 
 
-def event_tree_entries(study: Study, *, source: str = "", listed: int = LISTED) -> list[dict[str, Any]]:
-    """Analyse every initiating event of `study` that starts an event tree, and give its entry.
+class Answered(NamedTuple):
+    """What follows one initiating event, in one phase of an alignment if there are any."""
+
+    answer: EventTreeAnswer
+    alignment: Alignment | None
+    phase: Phase | None
+    seconds: float
+
+    @property
+    def fraction(self) -> Fraction:
+        """Of the time for which the answer holds."""
+        return self.phase.fraction if self.phase else Fraction(1)
+
+
+def answers_of(study: Study) -> list[Answered]:
+    """Analyse every initiating event that starts an event tree, in each phase. Raises TreeError, TooLarge."""
+    found = []
+    for alignment in study.alignments or (None,):
+        for phase in (alignment.phases if alignment else ()) or (None,):
+            for initiating in (one for one in study.initiating_events if one.event_tree):
+                started = time.perf_counter()
+                answer = analyse(study, initiating, dict(phase.house) if phase else None)
+                found.append(Answered(answer, alignment, phase, time.perf_counter() - started))
+    return found
+
+
+def event_tree_entries(
+    study: Study, answers: list[Answered] | None = None, *, source: str = "", listed: int = LISTED
+) -> list[dict[str, Any]]:
+    """The entry of each of `answers` (see `answers_of`).
 
     With alignments there is one entry for each of their phases, and the frequency over all initiating events is the
     mean over the phases of an alignment. "probability" is that of a sequence given the initiating event, "frequency"
     the same times its frequency (in the unit of that, None where there is none). "partition" is whether the sequences
     share out all that can happen, None where that is not known, and "wrong" says what speaks against it.
     Figures lie between their "_low" and "_high" whatever the rounding; those of a sequence with "assumed" rest on an
-    assumed event, split fraction or frequency. Raises TreeError, TooLarge.
+    assumed event, split fraction or frequency, that over all initiating events with "assumed_over_all", and the
+    frequency of an entry with "assumed". Raises TreeError, TooLarge.
     """
-    if not study.alignments:
-        return _entries(study, source, listed, ("", ()))
-    return [
-        entry
-        for alignment in study.alignments
-        for entry in _entries(study, source, listed, (alignment.name, alignment.phases))
-    ]
-
-
-def _entries(study: Study, source: str, listed: int, alignment: tuple[str, tuple[Phase, ...]]) -> list[dict[str, Any]]:
-    name, phases = alignment
-    entries, answers = [], []
-    for phase in phases or (None,):
-        for initiating in study.initiating_events:
-            if initiating.event_tree:
-                started = time.perf_counter()
-                answer = analyse(study, initiating, dict(phase.house) if phase else None)
-                entry = _entry(answer, study, source, listed)
-                if phase:
-                    entry["id"] += f", {name}, {phase.name}"
-                    entry |= {"alignment": name, "phase": phase.name, "time_fraction": float(phase.fraction)}
-                entry["seconds"] = {"total": time.perf_counter() - started}
-                entries.append(entry)
-                answers.append((answer, phase.fraction if phase else Fraction(1)))
-    everywhere = consequences(answers)
-    for entry in entries:
-        for sequence in entry["sequences"]:
-            figure = everywhere[sequence["id"]]
-            sequence["frequency_of_all_initiating_events"] = None if figure is None else figure.value
+    entries = []
+    for together in _by_alignment(answers_of(study) if answers is None else answers):
+        everywhere = consequences((one.answer, one.fraction) for one in together)
+        found = []
+        for answer, alignment, phase, solve_s in together:
+            started = time.perf_counter()
+            entry = _entry(answer, study, source, listed)
+            if alignment and phase:
+                entry["id"] += f", {alignment.name}, {phase.name}"
+                entry |= {"alignment": alignment.name, "phase": phase.name, "time_fraction": float(phase.fraction)}
+            for sequence in entry["sequences"]:
+                figure = everywhere[sequence["id"]]
+                sequence["frequency_of_all_initiating_events"] = None if figure is None else figure.value
+            entry["seconds"] = {"total": solve_s + time.perf_counter() - started}
+            found.append(entry)
+        assumed = {one["id"] for entry in found for one in entry["sequences"] if one["assumed"]}
+        for sequence in (one for entry in found for one in entry["sequences"]):
+            sequence["assumed_over_all"] = sequence["id"] in assumed
+        entries += found
     return entries
+
+
+def add_uncertainty(
+    entries: list[dict[str, Any]], answers: list[Answered], plan: Plan, mission_time_h: Fraction | None
+) -> None:
+    """Add to the entries of `answers` how the figures of each sequence spread (see `uncertainty`). Raises TreeError."""
+    from safety.trees.event_trees.uncertainty import propagate
+
+    spreads = []
+    for together in _by_alignment(answers):
+        spreads += propagate([(one.answer, one.fraction) for one in together], plan, mission_time_h)
+    for entry, spread in zip(entries, spreads, strict=True):
+        for sequence in entry["sequences"]:
+            sequence |= spread[sequence["id"]].fields()
+
+
+def _by_alignment(answers: list[Answered]) -> Iterator[list[Answered]]:
+    for _, together in groupby(answers, key=lambda one: id(one.alignment)):
+        yield list(together)
 
 
 def _entry(answer: EventTreeAnswer, study: Study, source: str, listed: int) -> dict[str, Any]:
     tree = next(one for one in study.event_trees if one.name == answer.initiating.event_tree)
-    factors = any(one.is_assumed for one in expressions_in((answer.initiating, *study.event_trees)))
+    often, factors = (
+        any(one.is_assumed for one in expressions_in(part)) for part in (answer.initiating, study.event_trees)
+    )
     return {
         "id": answer.initiating.name,
         "description": answer.initiating.description,
         "source": source,
         "event_tree": tree.name,
         **_figure("frequency", answer.frequency),
+        "assumed": often,
         "functional_events": [{"id": one.name, "description": one.description} for one in tree.functional_events],
-        "sequences": [_sequence(answer, one, listed, factors) for one in answer.sequences.values()],
+        "sequences": [_sequence(answer, one, listed, often or factors) for one in answer.sequences.values()],
         **_figure("total", answer.total),
         "whole": None if answer.whole is None else answer.whole.value,
         "partition": answer.is_partition,

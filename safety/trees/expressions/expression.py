@@ -368,3 +368,10 @@ def _operate(a: Doubles, tag: str, values: list[Any]) -> Any:
         case _:
             truths = [a.compare("df", value, zero) for value in values]
             return a.smallest(truths) if tag == "and" else a.largest(truths)
+
+
+def draws(expression: Expression) -> bool:
+    """Whether a distribution stands in it outside of parameters, so that it is a random variable of its own."""
+    if isinstance(expression, Parameter):
+        return False
+    return not expression.is_certain or any(draws(argument) for argument in expression.arguments)

@@ -236,3 +236,13 @@ class _TestedPart(NamedTuple):
     def down(self, state: _State) -> Any:
         """Probability to be down."""
         return state[1] + state[2]
+
+
+def constant_rate(law: Expression | None) -> Expression | None:
+    """The rate per hour of an exponential over the system mission time, also behind parameters; None for other laws."""
+    while law is not None and law.tag == "parameter":
+        law = law.arguments[0]
+    if law is None or law.tag != "exponential":
+        return None
+    rate, time = law.arguments
+    return rate if time.tag == "system-mission-time" and not rate.uses_mission_time else None

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from fractions import Fraction
 
 from safety.trees.as_written import Rational, TreeError, exact
+from safety.trees.collector import paused
 from safety.trees.tree import FaultTree
 
 TYPE_CHECKING = False  # typing itself is not needed to start
@@ -26,6 +27,7 @@ WRITERS = {
 Path = str | os.PathLike[str]
 
 
+@paused()
 def read(*paths: Path, top: str | None = None, mission_time_h: Rational | None = None) -> FaultTree:
     """The fault tree in `paths`: Open-PSA MEF XML (one file or several, trees and data apart), or one file of JSON,
     Aralia text or Galileo text. Common cause groups and substitutions are applied (see Study.quantified).
@@ -42,6 +44,7 @@ def read(*paths: Path, top: str | None = None, mission_time_h: Rational | None =
         raise _too_deep(texts) from None
 
 
+@paused()
 def read_study(*paths: Path, mission_time_h: Rational | None = None) -> Study:
     """Everything in `paths`, as `read` takes them. Raises TreeError."""
     time = None if mission_time_h is None else exact(mission_time_h, "mission_time_h")

@@ -129,7 +129,7 @@ class MefReader:
             self.draft.description = self.draft.description or description(root)
             self._find_definitions(root, "", False)
         for element, name, scope in self._events:
-            with at(element.place):
+            try:
                 match element.tag:
                     case "define-gate":
                         self._gate(element, name, scope)
@@ -137,6 +137,8 @@ class MefReader:
                         self._basic_event(element, name, scope)
                     case _:
                         self._house_event(element, name)
+            except TreeError as error:
+                raise error.at(element.place) from None
         if self.parameters or self._expressions:
             self.draft.parts["parameters"] = self.expressions.all()
         if self._study:
@@ -306,7 +308,7 @@ class MefReader:
 
     def _basic_event(self, element: Element, name: str, scope: str) -> None:
         label, attributes, expressions = content(element)
-        source = dict(attributes).get("source", "")
+        source = dict(attributes).get("source", "") if attributes else ""
         if source in TAGS:
             attributes = tuple(pair for pair in attributes if pair[0] != "source")
         else:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from safety.trees.as_written import exact
 from safety.trees.formats.draft import at
-from safety.trees.formats.mef_elements import content, description, only, parts, truth, whole
+from safety.trees.formats.mef_elements import attributes, content, description, only, parts, truth, whole
 from safety.trees.formats.xml_elements import Element
 from safety.trees.study import Alignment, Phase
 from safety.trees.substitutions import Substitution
@@ -49,7 +49,7 @@ def read_study_elements(elements: Sequence[tuple[Element, str]], reader: MefRead
 
 
 def _ccf_group(element: Element, scope: str, reader: MefReader) -> CcfGroup:
-    from safety.trees.common_cause import CcfGroup
+    from safety.trees.common_cause import TESTING, CcfGroup
 
     model = element.get("model")
     fields = parts(element, ("members", "distribution", "factors", "factor"), 2)
@@ -72,7 +72,8 @@ def _ccf_group(element: Element, scope: str, reader: MefReader) -> CcfGroup:
         members,
         factors,
         _number(reader.expressions.probability(total, scope)),
-        description=description(element),
+        dict(attributes(element)).get("testing", TESTING[0]) if model == "alpha-factor" else TESTING[0],
+        description(element),
     )
 
 

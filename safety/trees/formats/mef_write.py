@@ -12,7 +12,6 @@ from collections.abc import Callable, Iterable, Mapping
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
-from safety.trees.as_written import TreeError
 from safety.trees.formats import mef_xml as xml
 from safety.trees.formats.mef_xml import Lines
 from safety.trees.formats.nested import nested
@@ -150,13 +149,12 @@ class _Writer:
         return xml.element("define-house-event", {"name": house.name}, head + xml.constant(house.state))
 
     def ccf_group(self, group: CcfGroup) -> Lines:
-        if group.testing != "non-staggered":
-            raise TreeError(f"{group} is of {group.testing} testing, which MEF cannot hold; write JSON", group.name)
+        testing = (("testing", group.testing),) if group.testing != "non-staggered" else ()
         total, factors = group.as_given
         inner: Lines = []
         for name in group.members:
             inner += xml.element("basic-event", {"name": name})
-        parts = xml.label(group.description) + xml.element("members", {}, inner)
+        parts = xml.label(group.description) + xml.attributes(testing) + xml.element("members", {}, inner)
         first = self.nodes[group.members[0]]
         assert isinstance(first, BasicEvent)
         parts += xml.element("distribution", {}, self.quantity(first) if total is None else xml.value(total))

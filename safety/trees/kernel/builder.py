@@ -29,6 +29,8 @@ class Builder:
     bucket_mask: cython.longlong
     cache_mask: cython.longlong
     done = cython.declare(cython.int, visibility="public")  # gates that were built, of those asked for
+    begun = cython.declare(object, visibility="public")  # where it was full: edges of what was ready
+    left = cython.declare(object, visibility="public")  # and of what the last gate had yet to join
     count: cython.int
     budget: cython.int
     room: cython.int
@@ -48,6 +50,7 @@ class Builder:
         self.count = 1
         self.done = 0
         self.full = False
+        self.begun, self.left = array("i"), array("i")
 
     @cython.cfunc
     def grow(self) -> cython.int:
@@ -161,6 +164,8 @@ class Builder:
             return -1
         low = self.both(f0, g0)
         if low < 0:
+            with cython.gil:
+                self.begun.append(high)
             return -1
         result = self.make(level, high, low)
         if result >= 0:
@@ -215,6 +220,8 @@ class Builder:
             return -1
         low = self.odd(f0, g0)
         if low < 0:
+            with cython.gil:
+                self.begun.append(high)
             return -1
         result = self.make(level, high, low)
         if result >= 0:
@@ -265,23 +272,29 @@ class Builder:
                         return -1
                     counts[j] = result
             return counts[k] ^ flip
-        result = 0 if kind == AND else 1
+        joined: cython.int = 0 if kind == AND else 1
         for i in range(count):
             if kind == AND:
-                result = self.both(result, edges[i])
+                result = self.both(joined, edges[i])
             elif kind == OR:
-                result = self.either(result, edges[i])
+                result = self.either(joined, edges[i])
             else:
-                result = self.odd(result, edges[i])
+                result = self.odd(joined, edges[i])
             if result < 0:
+                with cython.gil:
+                    self.left.append(joined)
+                    for j in range(i, count):
+                        self.left.append(edges[j])
                 return -1
-        return result
+            joined = result
+        return joined
 
-    def build(self, flat, gates: cython.int[::1], edge_of: cython.int[::1], pulse=None):
+    def build(self, flat, gates: cython.int[::1], edge_of: cython.int[::1], pulse=None, left=()):
         """The edge of the last of `gates` (indices in `flat`, inputs first), or -1 when the budget is used up.
 
         `edge_of` holds the edge of every variable, module and constant below, by index; that of each gate is entered.
-        `pulse` is called before each gate; what it raises ends the work.
+        `pulse` is called before each gate; what it raises ends the work. `left` are the edges that the first gate is
+        to join, if that had been begun.
         """
         kind: cython.int[::1] = flat.kind
         votes: cython.int[::1] = flat.k
@@ -292,11 +305,12 @@ class Builder:
         g: cython.int
         i: cython.int
         j: cython.int
+        n: cython.int
         result: cython.int = 0
         for i in range(len(gates)):
             g = gates[i] - first
             widest = max(widest, start[g + 1] - start[g])
-        edges: cython.int[::1] = array("i", bytes(4 * (widest + 1)))
+        edges: cython.int[::1] = array("i", bytes(4 * (widest + 2)))
         counts: cython.int[::1] = array("i", bytes(4 * (widest + 1)))
         for i in range(len(gates)):
             if pulse is not None:
@@ -305,7 +319,12 @@ class Builder:
             g = gates[i] - first
             for j in range(start[g], start[g + 1]):
                 edges[j - start[g]] = edge_of[inputs[j] >> 1] ^ (inputs[j] & 1)
-            result = self.gate(kind[g], votes[g], edges, start[g + 1] - start[g], counts)
+            n = start[g + 1] - start[g]
+            if i == 0 and len(left):
+                n = len(left)
+                for j in range(n):
+                    edges[j] = left[j]
+            result = self.gate(kind[g], votes[g], edges, n, counts)
             if result < 0:
                 return -1
             edge_of[gates[i]] = result
@@ -313,13 +332,20 @@ class Builder:
 
     def finish(self, root: cython.int):
         """Level, high and low of the nodes of `root` alone, numbered anew (see `diagram.Diagram`), and its edge."""
+        level, high, low, roots = self.shared(array("i", [root]))
+        return level, high, low, roots[0]
+
+    def shared(self, roots: cython.int[::1]):
+        """The same of the nodes of several roots, and the edges of these."""
         i: cython.int
         at: cython.longlong
-        top: cython.int = root >> 1
-        number: cython.int[::1] = array("i", bytes(4 * (top + 1)))
+        top: cython.int = 0
         count: cython.int = 1
-        if top:
-            number[top] = 1
+        for i in range(len(roots)):
+            top = max(top, roots[i] >> 1)
+        number: cython.int[::1] = array("i", bytes(4 * (top + 1)))
+        for i in range(len(roots)):
+            number[roots[i] >> 1] = 1
         for i in range(top, 0, -1):
             if number[i]:
                 at = 4 * cython.cast(cython.longlong, i)
@@ -340,4 +366,10 @@ class Builder:
                 high[count] = 2 * number[self.node[at + 1] >> 1]
                 low[count] = 2 * number[self.node[at + 2] >> 1] + (self.node[at + 2] & 1)
                 count += 1
-        return level, high, low, 2 * number[top] + (root & 1)
+        return level, high, low, array("i", [2 * number[root >> 1] + (root & 1) for root in roots])
+
+    def adopt(self, level: cython.int[::1], high: cython.int[::1], low: cython.int[::1]):
+        """Enter the nodes of diagrams as `shared` gives them, under their numbers; before any other."""
+        i: cython.int
+        for i in range(1, len(level)):
+            self.make(level[i], high[i], low[i])

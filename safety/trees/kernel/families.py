@@ -17,7 +17,6 @@ import cython
 NONE = cython.declare(cython.int, 0)
 EMPTY = cython.declare(cython.int, 1)
 LARGEST_CACHE = cython.declare(cython.longlong, 1 << 26)  # C ints, 256 MB
-EXACT = cython.declare(cython.double, 4.0e18)  # counts below this fit 64 bits with their sign
 
 
 @cython.cclass
@@ -84,6 +83,8 @@ class Family:
         self.root = self.minimal(root)
         self.bucket = self.cache = self.known = self.level = self.high = self.low = array("i")
         self.shortest = self.longest = array("i")
+        if not self.full:
+            self.keep_reachable()
         if self.stopped is not None:
             raise self.stopped
 
@@ -250,6 +251,33 @@ class Family:
             self.cache[entry], self.cache[entry + 1], self.cache[entry + 2] = sets, smaller, result
         return result
 
+    @cython.cfunc
+    def keep_reachable(self) -> cython.void:
+        """Number the nodes of the root anew, without those left over from the work."""
+        i: cython.int
+        at: cython.longlong
+        to: cython.longlong
+        count: cython.int = 2
+        number: cython.int[::1] = array("i", bytes(4 * max(2, self.root + 1)))
+        number[self.root] = 1
+        for i in range(self.root, 1, -1):
+            if number[i]:
+                at = 4 * cython.cast(cython.longlong, i)
+                number[self.node[at + 1]] = number[self.node[at + 2]] = 1
+        number[0], number[1] = NONE, EMPTY
+        for i in range(2, self.root + 1):
+            if number[i]:
+                at, to = 4 * cython.cast(cython.longlong, i), 4 * cython.cast(cython.longlong, count)
+                self.node[to] = self.node[at]
+                self.node[to + 1], self.node[to + 2] = number[self.node[at + 1]], number[self.node[at + 2]]
+                self.node[to + 3] = 0
+                number[i] = count
+                count += 1
+        self.root = number[self.root]
+        self.count = count
+        kept = self.node
+        self.node = array("i", kept[: 4 * count])
+
     def orders(self, longest: cython.int[::1]):
         """The largest order of a set of each node, `longest` being that of each variable; -1 where there is no set."""
         i: cython.longlong
@@ -259,8 +287,17 @@ class Family:
             orders[i] = max(orders[self.node[4 * i + 2]], longest[self.node[4 * i]] + orders[self.node[4 * i + 1]])
         return orders
 
-    def counts(self, weights):
-        """The number of sets of the root by order, or None where 64 bits may not hold it.
+    def size(self, sizes: cython.double[::1]):
+        """About how many sets the root has, in doubles, where the variable of each level stands for so many."""
+        i: cython.longlong
+        total: cython.double[::1] = array("d", bytes(8 * self.count))
+        total[1] = 1.0
+        for i in range(2, self.count):
+            total[i] = sizes[self.node[4 * i]] * total[self.node[4 * i + 1]] + total[self.node[4 * i + 2]]
+        return total[self.root]
+
+    def counts(self, weights, modulus: cython.longlong):
+        """The number of sets of the root by order, modulo a number below 2^31.
 
         `weights` gives, for each level, the number of sets with 0, 1, 2, ... events that its variable stands for.
         """
@@ -268,42 +305,47 @@ class Family:
         j: cython.longlong
         n: cython.longlong
         p: cython.longlong
+        q: cython.longlong
         v: cython.int
         h: cython.int
         l: cython.int
         weight: cython.longlong
+        number: cython.longlong
         levels: cython.int = len(weights)
-        total: cython.double[::1] = array("d", bytes(8 * self.count))
-        sums: cython.double[::1] = array("d", [float(sum(row)) for row in weights])
-        total[1] = 1.0
-        for i in range(2, self.count):
-            total[i] = sums[self.node[4 * i]] * total[self.node[4 * i + 1]] + total[self.node[4 * i + 2]]
-        if not total[self.root] < EXACT:
-            return None
         longest: cython.int[::1] = array("i", [len(row) - 1 for row in weights])
+        shortest: cython.int[::1] = array("i", [next((n for n, many in enumerate(row) if many), 0) for row in weights])
         start: cython.int[::1] = array("i", bytes(4 * levels + 4))
         for v in range(levels):
             start[v + 1] = start[v] + longest[v] + 1
-        flat: cython.longlong[::1] = array("q", [number if number < EXACT else 0 for row in weights for number in row])
+        flat: cython.longlong[::1] = array("q", [many % modulus for row in weights for many in row])
         orders: cython.int[::1] = self.orders(longest)
-        place: cython.longlong[::1] = array("q", bytes(8 * (self.count + 1)))
+        least: cython.int[::1] = array("i", bytes(4 * self.count))
+        for i in range(2, self.count):
+            h, l = self.node[4 * i + 1], self.node[4 * i + 2]
+            least[i] = shortest[self.node[4 * i]] + least[h]
+            if l != NONE:
+                least[i] = min(least[i], least[l])
+        place: cython.longlong[::1] = array("q", bytes(8 * (self.count + 1)))  # of a node's row, from its least order
         for i in range(self.count):
-            place[i + 1] = place[i] + orders[i] + 1
+            place[i + 1] = place[i] + orders[i] - least[i] + 1
         counts: cython.longlong[::1] = array("q", bytes(8 * place[self.count]))
         counts[place[1]] = 1
         for i in range(2, self.count):
-            if total[i] >= EXACT:  # left over from the work, not below the root
-                continue
             v, h, l = self.node[4 * i], self.node[4 * i + 1], self.node[4 * i + 2]
-            p = place[i]
-            for j in range(orders[l] + 1):
-                counts[p + j] = counts[place[l] + j]
-            for n in range(longest[v] + 1):
+            p = place[i] - least[i]
+            for j in range(least[l], orders[l] + 1):
+                counts[p + j] = counts[place[l] - least[l] + j]
+            for n in range(shortest[v], longest[v] + 1):
                 weight = flat[start[v] + n]
-                if weight:
-                    for j in range(orders[h] + 1):
-                        counts[p + n + j] += weight * counts[place[h] + j]
-        return list(counts[place[self.root] : place[self.root + 1]])
+                q = place[h] - least[h]
+                if weight == 1:
+                    for j in range(least[h], orders[h] + 1):
+                        number = counts[p + n + j] + counts[q + j]
+                        counts[p + n + j] = number - modulus if number >= modulus else number
+                elif weight:
+                    for j in range(least[h], orders[h] + 1):
+                        counts[p + n + j] = (counts[p + n + j] + weight * counts[q + j]) % modulus
+        return [0] * least[self.root] + list(counts[place[self.root] : place[self.root + 1]])
 
     def reachable_orders(self, masks: cython.ulonglong[::1]):
         """For each node, bit n set where it has a set of order n, below 64; `masks` are those of the variables."""

@@ -21,6 +21,7 @@ FAMILY = cython.declare(cython.int, 1)
 BOTH = cython.declare(cython.int, 0)  # operations
 WITHOUT = cython.declare(cython.int, 1)
 PRIMES = cython.declare(cython.int, 2)
+PATIENCE = cython.declare(cython.longlong, 1 << 18)  # questions to the cache in vain between two looks at signals
 
 
 @cython.cclass
@@ -35,8 +36,11 @@ class Primes:
     room: cython.int
     budget: cython.int
     levels: cython.int
+    missed: cython.longlong  # questions to the cache in vain
+    pulse: object  # called from time to time: lets signals in; what it raises ends the work
 
-    def __init__(self, levels: cython.int, budget: cython.int):
+    def __init__(self, levels: cython.int, budget: cython.int, pulse=None):
+        self.missed, self.pulse = 0, pulse
         self.levels, self.budget, self.room, self.full = levels, max(budget, 2), 2, False
         self.node, self.count = array("i", bytes(48)), 2
         self.bucket, self.cache = array("i", [0]), array("i", [0])
@@ -137,6 +141,9 @@ class Primes:
         slot: cython.longlong = 4 * self.slot(operation, f, g, 0)
         if self.cache[slot + 1] == f and self.cache[slot + 2] == g and self.cache[slot] == operation:
             return self.cache[slot + 3]
+        self.missed += 1
+        if self.pulse is not None and self.missed % PATIENCE == 0:
+            self.pulse()
         level: cython.int = self.node[6 * cython.cast(cython.longlong, f) + 1]
         if operation == PRIMES:
             high, low = self.part(operation, f, level, 0), self.part(operation, f, level, 1)

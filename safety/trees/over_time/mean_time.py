@@ -6,6 +6,9 @@ c exp(-s t). Otherwise R, computed as the probability that the opposite of the t
 up to a time T; what remains is at most the sum of (1/r) exp(-r T) over the events whose failure alone is certain to
 come, at rates r, provided that the top event is certain when all of these have failed.
 
+A common-cause group has shares of the probability of its members, which no constant failure rate gives. Its mean time
+is that of the tree in which it has the same shares of their rates (Study.quantified with `of_rates`).
+
 The mean is infinite if the top event may never come, as when an event of constant probability is needed.
 Times in hours. Source: IEC 61703:2016, 6.1.
 """
@@ -95,7 +98,7 @@ def _not_repaired(mission: Mission) -> list[Relaxing]:
             raise TreeError(
                 f'basic event "{name}" has {float(event.scale):g} times the probability of an event with a rate, as '
                 "one of a common-cause group has: that is no constant failure rate, and the mean time to failure is "
-                "not known from it; give it a rate of its own",
+                "not known from it; give it a rate of its own, or let the group share out rates (of_rates)",
                 name,
             )
         if below and mission.effects[name] != CAUSES:

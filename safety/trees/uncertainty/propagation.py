@@ -24,7 +24,7 @@ import numpy as np
 from safety.trees.as_written import TreeError
 from safety.trees.solve import Solution
 from safety.trees.uncertainty.correlation import Vector
-from safety.trees.uncertainty.sampling import Columns, Draws, Plan, probabilities, variables
+from safety.trees.uncertainty.sampling import Columns, Draws, Holder, Plan, probabilities, said, variables
 
 LEVELS = (0.05, 0.25, 0.5, 0.75, 0.95)
 CONFIDENCE = 0.95
@@ -153,7 +153,7 @@ def propagate(solution: Solution, plan: Plan | None = None) -> Uncertainty:
     raises.
     """
     plan = plan or Plan()
-    names, chunks = _columns(solution, plan, CHUNK)
+    names, chunks = drawn(solution.tree, plan, CHUNK)
     values, outside = np.empty(plan.samples), Counter[str]()
     for first, columns in chunks:
         values[first : first + CHUNK] = solution.many(columns.values)
@@ -170,7 +170,7 @@ def propagate_importance(solution: Solution, plan: Plan | None = None) -> dict[s
     is computed. Raises TreeError.
     """
     plan = plan or Plan()
-    names, chunks = _columns(solution, plan, plan.samples)
+    names, chunks = drawn(solution.tree, plan, plan.samples)
     if (needed := plan.samples * (len(solution.events) * IMPORTANCE_BYTES + 8 * len(names))) > BYTES:
         why = (
             f"{plan.samples} samples of {len(solution.events)} events take {needed / 1e9:.3g} GB, more than the "
@@ -197,13 +197,16 @@ def propagate_importance(solution: Solution, plan: Plan | None = None) -> dict[s
     return result
 
 
-def _columns(solution: Solution, plan: Plan, size: int) -> tuple[tuple[str, ...], Iterator[tuple[int, Columns]]]:
-    """The names of the random variables, and the samples, up to `size` of them at a time from the number given on."""
-    names = tuple(sorted(variables(solution.tree)))
+def drawn(holder: Holder, plan: Plan, size: int) -> tuple[tuple[str, ...], Iterator[tuple[int, Columns]]]:
+    """The names of the random variables, and the samples, up to `size` of them at a time from the number given on.
+
+    Raises TreeError: no distribution, or samples that take more than BYTES.
+    """
+    names = tuple(sorted(variables(holder)))
     if not names:
         raise TreeError(
-            f'fault tree "{solution.tree.name}" holds no distribution, so nothing is uncertain; give a parameter or a '
-            "basic event one, such as a lognormal-deviate"
+            f"{said(holder)} holds no distribution, so nothing is uncertain; give a parameter or a basic event one, "
+            "such as a lognormal-deviate"
         )
     if (needed := 8 * plan.samples * (len(names) + HELD)) > BYTES:
         raise TreeError(
@@ -215,7 +218,7 @@ def _columns(solution: Solution, plan: Plan, size: int) -> tuple[tuple[str, ...]
     def chunks() -> Iterator[tuple[int, Columns]]:
         for first in range(0, plan.samples, size):
             part = {name: column[first : first + size] for name, column in uniforms.items()}
-            yield first, probabilities(solution.tree, min(size, plan.samples - first), partial(Draws, uniforms=part))
+            yield first, probabilities(holder, min(size, plan.samples - first), partial(Draws, uniforms=part))
 
     return names, chunks()
 

@@ -1,4 +1,4 @@
-"""Samples of the random variables in a fault tree, and of the probabilities of its events.
+"""Samples of the random variables in a fault tree, and of the probabilities of its events and of other quantities.
 
 A random variable is a distribution, named by where it stands: by the parameter or the basic event whose definition it
 is, else by the path within it ("pump/1": the first argument in the expression of event "pump"). Only a parameter is
@@ -28,7 +28,7 @@ from safety.trees.expressions.arithmetics import COMPARISONS, Doubles
 from safety.trees.expressions.distributions import Distribution, standard_normal
 from safety.trees.expressions.expression import Expression, Parameter
 from safety.trees.expressions.readings import NOTHING, Reading
-from safety.trees.tree import FaultTree
+from safety.trees.tree import BasicEvent, FaultTree
 from safety.trees.uncertainty.correlation import Correlation, Vector
 
 
@@ -166,37 +166,72 @@ class Draws(Reading):
         return np.array([expression.formula(Doubles(), *row) for row in rows])
 
 
-def owners(tree: FaultTree) -> dict[str, str]:
+@dataclass(frozen=True)
+class Quantity:
+    """What an expression gives besides the probabilities of events: a rate, a frequency, a split fraction; 0 or more.
+
+    `what` says so in messages. `greatest` is its largest possible value.
+    """
+
+    name: str
+    what: str
+    expression: Expression
+    mission_time_h: Fraction | None = None
+    greatest: float = math.inf
+
+
+@dataclass(frozen=True)
+class Quantities:
+    """Events and quantities that share parameters; `name` says in messages of what they are."""
+
+    name: str
+    events: tuple[BasicEvent | Quantity, ...]
+
+
+Holder = FaultTree | Quantities
+
+
+def said(holder: Holder) -> str:
+    """What it is called in messages."""
+    return f'fault tree "{holder.name}"' if isinstance(holder, FaultTree) else holder.name
+
+
+def owners(holder: Holder) -> dict[str, str]:
     """For each event with an expression the name that begins the names of its own random variables."""
-    shared = parameters(tree)
+    shared = parameters(holder)
     return {
-        e.name: f"{e.name} (event)" if e.name in shared else e.name for e in tree.events if e.expression is not None
+        e.name: f"{e.name} (event)" if e.name in shared else e.name for e in holder.events if e.expression is not None
     }
 
 
-def parameters(tree: FaultTree) -> dict[str, Parameter]:
-    """The parameters on which the events of `tree` depend. Raises TreeError if one name has two definitions."""
+def parameters(holder: Holder) -> dict[str, Parameter]:
+    """The parameters on which the events of `holder` depend. Raises TreeError if one name has two definitions."""
     found: dict[str, Parameter] = {}
-    for event in tree.events:
+    for event in holder.events:
         for name, parameter in (event.expression.parameters if event.expression is not None else {}).items():
             if found.setdefault(name, parameter) != parameter:
                 raise TreeError(
-                    f'parameter "{name}" has two definitions in fault tree "{tree.name}", {found[name].definition} and '
+                    f'parameter "{name}" has two definitions in {said(holder)}, {found[name].definition} and '
                     f"{parameter.definition}; rename one of them",
                     name,
                 )
     return found
 
 
-def variables(tree: FaultTree) -> dict[str, Distribution]:
-    """The random variables of `tree` by name."""
-    found: dict[str, Distribution] = {}
-    names = owners(tree)
-    for parameter in parameters(tree).values():
-        found.update(_within(parameter.definition, parameter.name))
-    for event in tree.events:
+def variables(holder: Holder) -> dict[str, Distribution]:
+    """The random variables of `holder` by name."""
+    return {name: law for each in variables_by_event(holder).values() for name, law in each.items()}
+
+
+def variables_by_event(holder: Holder) -> dict[str, dict[str, Distribution]]:
+    """For each event with an expression the random variables that it depends on, by name."""
+    names = owners(holder)
+    found: dict[str, dict[str, Distribution]] = {}
+    for event in holder.events:
         if event.expression is not None:
-            found.update(_within(event.expression, names[event.name]))
+            found[event.name] = dict(_within(event.expression, names[event.name]))
+            for parameter in event.expression.parameters.values():
+                found[event.name].update(_within(parameter.definition, parameter.name))
     return found
 
 
@@ -211,28 +246,31 @@ def _within(expression: Expression, path: str) -> Iterator[tuple[str, Distributi
 
 @dataclass(frozen=True)
 class Columns:
-    """Samples of the probabilities of events.
+    """Samples of the probabilities of events and of quantities.
 
-    values      shape (number of events, number of samples), rows as in the tree's `events`
-    outside     for each event whose expression gave values outside 0..1: how often, each then set to the nearer end
+    values      shape (number of events, number of samples), rows as in the holder's `events`
+    outside     for each event whose expression gave values out of its range, 0..1 for a probability: how often, each
+                then set to the nearer end
     """
 
     values: Vector
     outside: Mapping[str, int]
 
 
-def probabilities(tree: FaultTree, size: int, at: Callable[[Fraction | None], Draws]) -> Columns:
-    """The probability of every event of `tree` in `size` samples, each in the reading that `at` gives for its time.
+def probabilities(holder: Holder, size: int, at: Callable[[Fraction | None], Draws]) -> Columns:
+    """The probability of every event of `holder` in `size` samples, each in the reading that `at` gives for its time.
 
     Raises TreeError: an event has no probability, or its expression no value in some sample.
     """
-    values, outside = np.empty((len(tree.events), size)), {}
+    values, outside = np.empty((len(holder.events), size)), {}
     readings: dict[Fraction | None, Draws] = {}
-    names = owners(tree)
-    for i, event in enumerate(tree.events):
+    names = owners(holder)
+    for i, event in enumerate(holder.events):
+        what = f'basic event "{event.name}"' if isinstance(event, BasicEvent) else event.what
+        greatest = 1.0 if isinstance(event, BasicEvent) else event.greatest
         if event.expression is None:
             if event.chance is None:
-                raise TreeError(f'basic event "{event.name}" has no probability; give it one', event.name)
+                raise TreeError(f"{what} has no probability; give it one", event.name)
             values[i] = event.chance[0]
             continue
         if event.mission_time_h not in readings:
@@ -242,15 +280,14 @@ def probabilities(tree: FaultTree, size: int, at: Callable[[Fraction | None], Dr
             with np.errstate(all="ignore"):
                 values[i] = reading.of(event.expression, names[event.name])
         except TreeError as error:
-            raise TreeError(f'basic event "{event.name}": {error.message}', event.name, error.place) from None
+            raise TreeError(f"{what}: {error.message}", event.name, error.place) from None
         if lost := int(np.isnan(values[i]).sum()):
             raise TreeError(
-                f'the expression of basic event "{event.name}" has no value in {lost} of {size} samples; correct its '
-                "distributions",
+                f"the expression of {what} has no value in {lost} of {size} samples; correct its distributions",
                 event.name,
             )
-        count = int(((values[i] < 0) | (values[i] > 1)).sum())
+        count = int(((values[i] < 0) | (values[i] > greatest)).sum())
         if count:
             outside[event.name] = count
-            np.clip(values[i], 0.0, 1.0, out=values[i])
+            np.clip(values[i], 0.0, greatest, out=values[i])
     return Columns(values, outside)
