@@ -186,7 +186,7 @@ def _within(args: Namespace, tree: FaultTree) -> Truncated | None:
             return truncated(tree, args.order, args.above)
         except TooLarge as why:
             print(f"rightside tree: {why}; those up to a lower order are given", file=sys.stderr)
-    return largest_order(tree) if all(gate.kind in ("and", "or", "vote") for gate in tree.gates) else None
+    return largest_order(tree) if tree.is_monotone else None
 
 
 def _not_exact(bounds: Enclosed | None, within: Truncated | None) -> str:

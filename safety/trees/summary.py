@@ -90,7 +90,7 @@ def entry_of(
 
 def _quickly_had(tree: FaultTree) -> Truncated | None:
     """The cut sets up to the largest order that takes little; None of a tree with not or xor."""
-    if not all(gate.kind in ("and", "or", "vote") for gate in tree.gates):
+    if not tree.is_monotone:
         return None
     from safety.trees.cut_sets.truncated import largest_order
 

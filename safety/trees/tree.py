@@ -330,6 +330,11 @@ class FaultTree(Record):
         nodes: tuple[Node, ...] = (*self.gates, *self.events, *self.house_events)
         return {node.name: node for node in nodes}
 
+    @property
+    def is_monotone(self) -> bool:
+        """Whether no gate negates, so that events can only cause the top event."""
+        return all(gate.kind in ("and", "or", "vote") for gate in self.gates)
+
     @cached_property
     def inputs_first(self) -> tuple[Gate, ...]:
         """The gates that the top reaches, each after its inputs; the top is last."""

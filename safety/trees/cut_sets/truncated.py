@@ -195,7 +195,7 @@ def limited(solution: Solution, order: int | None, above: float | None) -> Trunc
     """
     tree = solution.tree
     _check(order, above)
-    if not all(gate.kind in ("and", "or", "vote") for gate in tree.gates):
+    if not tree.is_monotone:
         if above is not None:
             _chances_of(tree, [n for part in solution.parts for n in part.order if n <= len(tree.events)])
         return OfDiagram(solution, order, above)

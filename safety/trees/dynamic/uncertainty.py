@@ -5,6 +5,7 @@ The states are searched once; every sample is one more column of the same numeri
 
 from __future__ import annotations
 
+from collections import Counter
 from fractions import Fraction
 
 import numpy as np
@@ -37,7 +38,7 @@ def propagate(solution: DynamicSolution, data: Data, time_h: Fraction, plan: Pla
         for name, one in figures.items()
     )
     names, chunks = drawn(Quantities(f'tree "{data.tree.name}"', quantities), plan, CHUNK)
-    values, outside = np.empty(plan.samples), dict[str, int]()
+    values, outside = np.empty(plan.samples), Counter[str]()
     for first, columns in chunks:
         rows = dict(zip(figures, columns.values, strict=True))
         rates, chances = ({name: rows[name] for name in part} for part in (data.rates, data.chances))
@@ -45,6 +46,5 @@ def propagate(solution: DynamicSolution, data: Data, time_h: Fraction, plan: Pla
             values[first : first + CHUNK] = probabilities(solution, rates, hours, chances)
         except NumericsFailed as error:
             raise TreeError(f"{error} (some samples may have extreme rates)") from None
-        for name, count in columns.outside.items():
-            outside[name] = outside.get(name, 0) + count
-    return Uncertainty(values, plan.blocks * plan.hypercube, 0.0, 1.0, plan, names, outside)
+        outside.update(columns.outside)
+    return Uncertainty(values, plan.blocks * plan.hypercube, 0.0, 1.0, plan, names, dict(outside))

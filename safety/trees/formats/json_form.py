@@ -80,13 +80,15 @@ def to_document(tree: FaultTree | Study) -> dict[str, Any]:
     expressions = [event.expression for event in tree.events if event.expression is not None]
     if isinstance(tree, FaultTree) and not expressions:
         return head | sections
-    from safety.trees.formats import json_study
+    from safety.trees.formats.json_expressions import parameters_to_json
 
     if isinstance(tree, FaultTree):
-        parts = {"parameters": json_study.parameters_to_json(expressions)}
+        parts = {"parameters": parameters_to_json(expressions)}
     else:
-        parts = {"parameters": json_study.parameters_to_json(tree.parameters.values())}
-        parts |= {key: json_study.to_json(getattr(tree, key)) for key in STUDY[1:]}
+        from safety.trees.formats.json_study import to_json
+
+        parts = {"parameters": parameters_to_json(tree.parameters.values())}
+        parts |= {key: to_json(getattr(tree, key)) for key in STUDY[1:]}
     return head | sections | {key: part for key, part in parts.items() if part}
 
 
@@ -96,7 +98,7 @@ def _written(node: Node | FaultTree | Study, keys: tuple[str, ...]) -> dict[str,
 
 def _value(key: str, value: Any) -> Any:
     if key == "expression":
-        from safety.trees.formats.json_study import expression_to_json
+        from safety.trees.formats.json_expressions import expression_to_json
 
         return expression_to_json(value)
     if isinstance(value, tuple):

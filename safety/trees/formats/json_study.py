@@ -12,7 +12,7 @@ An expression is a number, or an object with one key, its name in Open-PSA MEF, 
 from __future__ import annotations
 
 import types
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import MISSING, fields, is_dataclass
 from fractions import Fraction
 from functools import cache
@@ -23,6 +23,7 @@ from safety.trees.as_written import Rational, TreeError, exact
 from safety.trees.event_trees import definitions as event_trees
 from safety.trees.expressions.expression import Constant, Expression, MissionTime, Operation, Parameter
 from safety.trees.formats.draft import at
+from safety.trees.formats.json_expressions import expression_to_json
 from safety.trees.formats.mef_expressions import FUNCTIONS
 
 SECTIONS = {
@@ -33,27 +34,6 @@ SECTIONS = {
     "event_trees": event_trees.EventTree,
 }
 NAMES = {"Expression": Expression, "Factor": Union[Expression, Rational], "Rational": Rational}  # noqa: UP007
-
-
-def expression_to_json(expression: Expression) -> Any:
-    """An expression as JSON."""
-    if isinstance(expression, Constant):
-        return str(expression.number)
-    if isinstance(expression, Parameter):
-        return {"parameter": expression.name}
-    return {expression.tag: [expression_to_json(argument) for argument in expression.arguments]}
-
-
-def parameters_to_json(expressions: Iterable[Expression]) -> list[dict[str, Any]]:
-    """The parameters that expressions use, as JSON."""
-    found: dict[str, Parameter] = {}
-    for expression in expressions:
-        found |= expression.parameters
-    return [
-        {"name": one.name, "expression": expression_to_json(one.definition)}
-        | {key: value for key, value in (("unit", one.unit), ("source", one.source)) if value}
-        for one in found.values()
-    ]
 
 
 def to_json(value: Any) -> Any:
